@@ -1,0 +1,73 @@
+#pragma once
+// What a GPU program would have: the scene, the camera, the G-buffer, named and counted passes, and, built when first asked for, the
+// structures over the scene that several techniques share.
+
+#include <memory>
+#include <string>
+
+#include "core/adjacency.h"
+#include "core/receiver.h"
+#include "core/scene.h"
+#include "raster/counters.h"
+#include "raytrace/embree_scene.h"
+
+namespace gnomon {
+
+class Progress;
+
+enum class Primary { Raster, Ray };
+
+// What the camera sees, one value a pixel.
+struct GBuffer {
+    Receivers receivers;         // world position, geometric normal, triangle
+    Image<vec3> shading_normal;  // unit, interpolated, on the viewer's side
+    Image<vec3> albedo;          // linear base colour
+    Image<vec3> emission;        // W/(m² sr)
+    Image<float> depth;          // distance from the eye plane in metres; +∞ where nothing is seen
+};
+
+class Frame {
+public:
+    // Renders the G-buffer. `scene` must outlive the frame. Throws UsageError for an impossible size.
+    Frame(const Scene& scene, const Camera& camera, int width, int height, Primary primary = Primary::Raster);
+    ~Frame();
+
+    const Scene& scene() const { return scene_; }
+    const Camera& camera() const { return camera_; }
+    int width() const { return width_; }
+    int height() const { return height_; }
+    const GBuffer& gbuffer() const { return gbuffer_; }
+    const Receivers& receivers() const { return gbuffer_.receivers; }
+
+    // Built on first use, then kept for all techniques of this frame.
+    const Adjacency& adjacency();
+    const EmbreeScene& rays();
+
+    // The log that passes of the current technique write to: `begin_technique` starts a new, empty one.
+    PassLog& log() { return log_; }
+    void begin_technique() { log_ = PassLog(); }
+    Pass pass(std::string name) { return Pass(log_, std::move(name)); }
+    const PassLog& gbuffer_log() const { return gbuffer_log_; }
+    double adjacency_seconds() const { return adjacency_seconds_; }
+    double rays_seconds() const { return rays_seconds_; }
+
+    // Long techniques report to it, by rows of the image; null: no progress.
+    Progress* progress = nullptr;
+
+private:
+    const Scene& scene_;
+    Camera camera_;
+    int width_, height_;
+    GBuffer gbuffer_;
+    PassLog gbuffer_log_, log_;
+    std::unique_ptr<Adjacency> adjacency_;
+    std::unique_ptr<EmbreeScene> rays_;
+    double adjacency_seconds_ = 0, rays_seconds_ = 0;
+};
+
+// Outgoing radiance towards the camera: emission + albedo/π × (ambient + Σ unshadowed irradiance × visibility); the background is
+// black. `ambient` is W/m².
+void add_direct_light(Image<vec3>& radiance, const GBuffer& gbuffer, const Light& light, const Image<float>& visibility);
+Image<vec3> ambient_and_emission(const GBuffer& gbuffer, vec3 ambient);
+
+} // namespace gnomon
