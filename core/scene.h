@@ -41,6 +41,9 @@ struct Object {
     std::uint32_t triangle_count = 0;
     std::uint32_t material = 0; // index into Scene::materials
     Bounds bounds;
+    // The visible surface of an area light: the camera sees it, but it is no shadow caster. Its triangles coincide with the light's
+    // sample points, so they would block the very rays that leave the light, and fill its shadow map from edge to edge.
+    bool light_source = false;
 };
 
 struct Scene {
