@@ -1,6 +1,6 @@
 #pragma once
-// A viewer: perspective or orthographic, looking along `forward`. The aspect ratio is that of the image, so a camera from a file
-// keeps its vertical field of view whatever the size of the output.
+// A viewer: perspective or orthographic, looking along `forward`. The aspect ratio is that of the image, so a camera
+// from a file keeps its vertical field of view whatever the size of the output.
 
 #include <string>
 
@@ -33,8 +33,8 @@ dmat4 projection_matrix(const Camera& camera, double aspect);
 // For an orthographic camera, which has no such limit, the far plane stays.
 dmat4 infinite_projection_matrix(const Camera& camera, double aspect);
 
-// The ray through window position (x, y), pixel centres at .5: origin on the eye (perspective) or on the plane through it
-// (orthographic); direction unit, in double.
+// The ray through window position (x, y), pixel centres at .5: origin on the eye (perspective) or on the plane through
+// it (orthographic); direction unit, in double.
 struct CameraRay {
     dvec3 origin;
     dvec3 direction;

@@ -1,6 +1,6 @@
 #pragma once
-// The scene as Embree sees it: one triangle mesh of the very same float32 vertices that the rasterizer draws, robust traversal,
-// high build quality. Answers whether a receiver sees a point, and what a camera ray meets first.
+// The scene as Embree sees it: one triangle mesh of the very same float32 vertices that the rasterizer draws, robust
+// traversal, high build quality. Answers whether a receiver sees a point, and what a camera ray meets first.
 
 #include <cstdint>
 #include <memory>
@@ -24,9 +24,10 @@ public:
     };
     Hit first_hit(vec3 origin, vec3 direction, float near_distance, float far_distance) const;
 
-    // 1 where the receiver sees the target point, 0 where not, for up to 16 targets of one receiver. Targets below the horizon of
-    // the geometric normal are not seen. Self-hits are excluded by construction: the origin is offset along the normal by a
-    // step scaled with the magnitude of the coordinates, and the receiver's own triangle is never an occluder.
+    // 1 where the receiver sees the target point, 0 where not, for up to 16 targets of one receiver. Targets below the
+    // horizon of the geometric normal are not seen. Self-hits are excluded by construction: the origin is offset along
+    // the normal by a step scaled with the magnitude of the coordinates, and the receiver's own triangle is never an
+    // occluder.
     void visible(const Receiver& receiver, std::span<const vec3> targets, std::span<std::uint8_t> seen) const;
     // The same for a direction with no end (directional lights).
     bool visible_direction(const Receiver& receiver, vec3 unit_direction) const;

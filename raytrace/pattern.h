@@ -17,8 +17,8 @@ enum class Pattern : std::uint8_t {
 };
 inline constexpr const char* pattern_choices = "sobol|stratified|grid|random"; // in the order of the enumerators
 
-// Fills `points` (all of the N samples) for one pixel. Grid and Stratified need N to be a square; where it is not they use the
-// n×m grid with n·m = N and n, m as near as possible, and throw UsageError where N is a prime above 3.
+// Fills `points` (all of the N samples) for one pixel. Grid and Stratified need N to be a square; where it is not they
+// use the n×m grid with n·m = N and n, m as near as possible, and throw UsageError where N is a prime above 3.
 void fill_pattern(Pattern pattern, std::uint32_t pixel, std::uint32_t seed, std::span<vec2> points);
 
 } // namespace gnomon
