@@ -23,6 +23,10 @@ struct Camera {
 // A camera at `eye` looking at `target`; world y is up unless the view is vertical, then −z.
 Camera look_at(vec3 eye, vec3 target, float vertical_fov_radians);
 
+// Near and far planes around a box as seen from the camera: near as large as is safe and at least 1e-4 of far, which
+// bounds the loss of depth precision where the camera stands inside the box.
+void fit_planes(Camera& camera, const Bounds& bounds);
+
 // World to eye space: x right, y up, looking along −z.
 dmat4 view_matrix(const Camera& camera);
 
