@@ -41,6 +41,7 @@ struct Object {
     std::uint32_t triangle_count = 0;
     std::uint32_t material = 0; // index into Scene::materials
     Bounds bounds;
+    bool light_source = false; // an emissive quad that became an area light: seen by the camera, never a shadow caster
 };
 
 struct Scene {
