@@ -34,7 +34,7 @@ const char* technique_kind_name(TechniqueKind kind) {
     return "";
 }
 
-Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light) {
+void check_support(const Entry& entry, const Light& light) {
     if (!(entry.info.lights & bit(light.type))) {
         std::vector<std::string> supported;
         for (int i = 0; i <= static_cast<int>(LightType::TexturedRectangle); ++i)
@@ -43,6 +43,10 @@ Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame,
         throw UsageError(fmt::format("technique '{}' does not support the {} light '{}'; it supports {}", entry.info.id,
                                      light_type_name(light.type), light.name, fmt::join(supported, ", ")));
     }
+}
+
+Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light) {
+    check_support(entry, light);
     return technique.shade(frame, light);
 }
 
