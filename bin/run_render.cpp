@@ -85,6 +85,7 @@ LitImage shade_light(Session& session, const TechniqueRequest& technique, const 
     LitImage image{light.name,
                    run_technique(*technique.entry, *technique.entry->make(technique.parameters), frame, light)};
     const double shared = frame.adjacency_seconds() + frame.rays_seconds() - shared_before;
+    progress.advance(frame.height()); // most techniques do not report by rows
     frame.progress = nullptr;
     session.stats.techniques.push_back({label, technique.entry->info.id, light.name,
                                         parameters_json(technique.entry->parameters, technique.parameters),

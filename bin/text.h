@@ -21,6 +21,9 @@ std::vector<std::string> split(std::string_view text, char separator);
 // The index of `word` in `choices`; the error lists them.
 size_t parse_choice(const std::string& word, const std::string& what, const std::vector<std::string>& choices);
 
+// Columns as wide as their widest cell; the last is not padded.
+std::string aligned(const std::vector<std::vector<std::string>>& rows);
+
 // The whole text to standard output. A reader that has left (a closed pipe) is no error.
 void print(std::string_view text);
 
