@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <new>
 
@@ -30,6 +31,12 @@ std::string reason(const std::string& message, const std::string& hidden_path) {
     return line.empty() ? "no reason given" : line;
 }
 
+// Distributions build OpenImageIO with its debugging messages on; standard error is ours alone.
+void quieten_library() {
+    static const bool done = OIIO::attribute("debug", 0);
+    (void)done;
+}
+
 [[noreturn]] void fail_to_write(const std::string& path, const std::string& why) {
     throw InputError(fmt::format("cannot write '{}': {}", path, why));
 }
@@ -42,6 +49,7 @@ std::string reason(const std::string& message, const std::string& hidden_path) {
 template <class Rows>
 void write_rows(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc format, const char* driver,
                 Rows rows) {
+    quieten_library();
     write_atomically(path, [&](const std::string& temporary_path) {
         const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(driver);
         if (!output) fail_to_write(path, reason("", temporary_path));
@@ -65,9 +73,9 @@ void put_attribute(OIIO::ImageSpec& spec, const std::string& name, const Attribu
 }
 
 std::map<std::string, Attribute> attributes_of(const OIIO::ImageSpec& spec) {
-    // OpenImageIO renames these two of EXR's common attributes on reading.
-    const std::map<std::string, std::string> exr_names = {{"worldtocamera", "worldToCamera"},
-                                                          {"worldtoscreen", "worldToNDC"}};
+    // OpenImageIO renames these of EXR's common attributes on reading (the last from version 2.5).
+    const std::map<std::string, std::string> exr_names = {
+        {"worldtocamera", "worldToCamera"}, {"worldtoscreen", "worldToNDC"}, {"worldtoNDC", "worldToNDC"}};
     std::map<std::string, Attribute> attributes;
     for (const OIIO::ParamValue& parameter : spec.extra_attribs) {
         std::string name = parameter.name().string();
@@ -91,6 +99,22 @@ bool claims_too_much(const OIIO::ImageSpec& spec, const std::string& path) {
     std::error_code error;
     const std::uintmax_t stored = std::filesystem::file_size(path, error);
     return !error && claimed > believed && claimed / largest_compression_ratio > stored;
+}
+
+// libpng prints a line of its own about a file that ends early, so that is found out before it sees the file: a PNG is
+// a signature and a row of chunks (length, type, data, checksum), the last of which is IEND.
+void check_png_is_whole(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::array<unsigned char, 8> head{};
+    const auto next_eight = [&] { return static_cast<bool>(file.read(reinterpret_cast<char*>(head.data()), 8)); };
+    constexpr std::array<unsigned char, 8> signature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    if (!next_eight() || head != signature) return;
+    while (next_eight()) {
+        const auto length = static_cast<std::streamoff>(head[0]) << 24 | head[1] << 16 | head[2] << 8 | head[3];
+        if (std::equal(head.begin() + 4, head.end(), "IEND")) return;
+        file.seekg(length + 4, std::ios::cur);
+    }
+    fail_to_read(path, "the file is truncated");
 }
 
 void check_header(const OIIO::ImageSpec& spec, const std::string& path) {
@@ -203,6 +227,8 @@ ChannelImage read_image(const std::string& path) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) fail_to_read(path, "there is no such file");
     if (std::filesystem::is_directory(path, ignored)) fail_to_read(path, "it is a folder");
+    quieten_library();
+    check_png_is_whole(path);
     try {
         OIIO::ImageSpec as_stored;
         as_stored.attribute("oiio:UnassociatedAlpha", 1); // colours stay as stored, not multiplied by alpha
@@ -212,9 +238,10 @@ ChannelImage read_image(const std::string& path) {
         check_header(spec, path);
         ChannelImage image;
         image.attributes = attributes_of(spec);
+        image.width = spec.width, image.height = spec.height;
         for (int c = 0; c < spec.nchannels; ++c)
-            image.add(spec.channel_name(c), Image<float>(spec.width, spec.height),
-                      spec.channelformat(c) == OIIO::TypeHalf);
+            image.channels.push_back(
+                {spec.channel_name(c), Image<float>(spec.width, spec.height), spec.channelformat(c) == OIIO::TypeHalf});
         read_channels(*input, spec, path, image);
         return image;
     } catch (const Error&) {
