@@ -38,15 +38,14 @@ const char* technique_kind_name(TechniqueKind kind) {
     return "";
 }
 
-Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light) {
-    if (!(entry.info.lights & bit(light.type))) {
-        std::vector<std::string> supported;
-        for (int i = 0; i <= static_cast<int>(LightType::TexturedRectangle); ++i)
-            if (const auto type = static_cast<LightType>(i); entry.info.lights & bit(type))
-                supported.emplace_back(light_type_name(type));
+void check_support(const Entry& entry, const Light& light) {
+    if (!(entry.info.lights & bit(light.type)))
         throw UsageError(fmt::format("technique '{}' does not support the {} light '{}'; it supports {}", entry.info.id,
-                                     light_type_name(light.type), light.name, fmt::join(supported, ", ")));
-    }
+                                     light_type_name(light.type), light.name, fmt::join(light_type_names(entry.info.lights), ", ")));
+}
+
+Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light) {
+    check_support(entry, light);
     return technique.shade(frame, light);
 }
 

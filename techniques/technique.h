@@ -71,6 +71,9 @@ std::span<const Entry> techniques();
 // Throws UsageError with the nearest known id.
 const Entry& find_technique(const std::string& id);
 
+// Throws UsageError naming what is supported where the light's type is not.
+void check_support(const Entry& entry, const Light& light);
+
 // Checks that the light's type is among those supported, then shades. Throws UsageError naming what is supported.
 Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light);
 
