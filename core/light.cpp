@@ -9,13 +9,20 @@ bool is_area(LightType type) { return (bit(type) & area_lights) != 0; }
 
 const char* light_type_name(LightType type) {
     switch (type) {
-    case LightType::Point: return "point";
-    case LightType::Spot: return "spot";
-    case LightType::Directional: return "directional";
-    case LightType::Rectangle: return "rectangle";
-    case LightType::Disk: return "disk";
-    case LightType::Sphere: return "sphere";
-    case LightType::TexturedRectangle: return "textured-rectangle";
+    case LightType::Point:
+        return "point";
+    case LightType::Spot:
+        return "spot";
+    case LightType::Directional:
+        return "directional";
+    case LightType::Rectangle:
+        return "rectangle";
+    case LightType::Disk:
+        return "disk";
+    case LightType::Sphere:
+        return "sphere";
+    case LightType::TexturedRectangle:
+        return "textured-rectangle";
     }
     return "";
 }
@@ -36,10 +43,14 @@ float surface_area(const Light& light) {
     const auto square = static_cast<float>(pi) * 0.25f * light.size.x * light.size.x;
     switch (light.type) {
     case LightType::Rectangle:
-    case LightType::TexturedRectangle: return light.size.x * light.size.y;
-    case LightType::Disk: return square;
-    case LightType::Sphere: return 4.0f * square;
-    default: return 0.0f;
+    case LightType::TexturedRectangle:
+        return light.size.x * light.size.y;
+    case LightType::Disk:
+        return square;
+    case LightType::Sphere:
+        return 4.0f * square;
+    default:
+        return 0.0f;
     }
 }
 
@@ -121,7 +132,8 @@ vec3 light_point(const Light& light, float u, float v, vec3 receiver) {
         const vec2 d = concentric(u, v) * (radius * std::sqrt(1.0f - radius * radius / distance2));
         return limb_center + tangent * d.x + glm::cross(axis, tangent) * d.y;
     }
-    default: return light.position;
+    default:
+        return light.position;
     }
 }
 

@@ -5,18 +5,30 @@ namespace {
 
 vec4 factor(BlendFactor f, vec4 s, vec4 d, vec4 constant) {
     switch (f) {
-    case BlendFactor::Zero: return vec4(0.0f);
-    case BlendFactor::One: return vec4(1.0f);
-    case BlendFactor::SourceColor: return s;
-    case BlendFactor::OneMinusSourceColor: return 1.0f - s;
-    case BlendFactor::DestinationColor: return d;
-    case BlendFactor::OneMinusDestinationColor: return 1.0f - d;
-    case BlendFactor::SourceAlpha: return vec4(s.a);
-    case BlendFactor::OneMinusSourceAlpha: return vec4(1.0f - s.a);
-    case BlendFactor::DestinationAlpha: return vec4(d.a);
-    case BlendFactor::OneMinusDestinationAlpha: return vec4(1.0f - d.a);
-    case BlendFactor::ConstantColor: return constant;
-    case BlendFactor::ConstantAlpha: return vec4(constant.a);
+    case BlendFactor::Zero:
+        return vec4(0.0f);
+    case BlendFactor::One:
+        return vec4(1.0f);
+    case BlendFactor::SourceColor:
+        return s;
+    case BlendFactor::OneMinusSourceColor:
+        return 1.0f - s;
+    case BlendFactor::DestinationColor:
+        return d;
+    case BlendFactor::OneMinusDestinationColor:
+        return 1.0f - d;
+    case BlendFactor::SourceAlpha:
+        return vec4(s.a);
+    case BlendFactor::OneMinusSourceAlpha:
+        return vec4(1.0f - s.a);
+    case BlendFactor::DestinationAlpha:
+        return vec4(d.a);
+    case BlendFactor::OneMinusDestinationAlpha:
+        return vec4(1.0f - d.a);
+    case BlendFactor::ConstantColor:
+        return constant;
+    case BlendFactor::ConstantAlpha:
+        return vec4(constant.a);
     }
     return vec4(1.0f);
 }
@@ -24,11 +36,16 @@ vec4 factor(BlendFactor f, vec4 s, vec4 d, vec4 constant) {
 // Min and Max ignore the factors, as the API does.
 vec4 combine(BlendOp op, vec4 s, vec4 weighted_s, vec4 d, vec4 weighted_d) {
     switch (op) {
-    case BlendOp::Add: return weighted_s + weighted_d;
-    case BlendOp::Subtract: return weighted_s - weighted_d;
-    case BlendOp::ReverseSubtract: return weighted_d - weighted_s;
-    case BlendOp::Min: return glm::min(s, d);
-    case BlendOp::Max: return glm::max(s, d);
+    case BlendOp::Add:
+        return weighted_s + weighted_d;
+    case BlendOp::Subtract:
+        return weighted_s - weighted_d;
+    case BlendOp::ReverseSubtract:
+        return weighted_d - weighted_s;
+    case BlendOp::Min:
+        return glm::min(s, d);
+    case BlendOp::Max:
+        return glm::max(s, d);
     }
     return s;
 }

@@ -27,8 +27,8 @@ ivec2 target_size(const Targets& targets) {
         if (!target) return;
         const ivec2 mine(target->width(), target->height());
         if (size != ivec2(0) && size != mine)
-            throw UsageError(fmt::format("the targets of a draw differ in size: {}x{} and {}x{}", size.x, size.y, mine.x,
-                                         mine.y));
+            throw UsageError(
+                fmt::format("the targets of a draw differ in size: {}x{} and {}x{}", size.x, size.y, mine.x, mine.y));
         if (targets.layer < 0 || targets.layer >= target->layers())
             throw UsageError(fmt::format("a target of {} layers has no layer {}", target->layers(), targets.layer));
         size = mine;
@@ -84,8 +84,7 @@ bool touches(const SetupTriangle& t, int tile_x, int tile_y) {
     return true;
 }
 
-template <class Visit>
-void for_each_tile(const SetupTriangle& t, const Grid& grid, const Visit& visit) {
+template <class Visit> void for_each_tile(const SetupTriangle& t, const Grid& grid, const Visit& visit) {
     const int x0 = t.x0 / tile_side, x1 = t.x1 / tile_side, y0 = t.y0 / tile_side, y1 = t.y1 / tile_side;
     const bool single = x0 == x1 && y0 == y1;
     for (int y = y0; y <= y1; ++y)
@@ -118,8 +117,8 @@ void draw_batch(const TileDraw& tile_draw, const std::vector<Chunk>& chunks, siz
             const Chunk& chunk = chunks[c];
             for (std::uint32_t k = chunk.tile_begin[tile]; k < chunk.tile_begin[tile + 1]; ++k) {
                 const std::uint32_t i = chunk.tile_triangles[k];
-                draw_in_tile(tile_draw, chunk.triangles[i], chunk.attributes.empty() ? nullptr : &chunk.attributes[i], x,
-                             y, tile_counters[tile]);
+                draw_in_tile(tile_draw, chunk.triangles[i], chunk.attributes.empty() ? nullptr : &chunk.attributes[i],
+                             x, y, tile_counters[tile]);
             }
         }
     });
@@ -137,10 +136,11 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     counters.triangles += static_cast<std::int64_t>(triangles.size());
 
     const auto positions = std::make_unique_for_overwrite<vec4[]>(draw.geometry.vertex_count);
-    const auto varyings = std::make_unique_for_overwrite<float[]>(static_cast<size_t>(draw.varying_count) *
-                                                                  draw.geometry.vertex_count);
+    const auto varyings =
+        std::make_unique_for_overwrite<float[]>(static_cast<size_t>(draw.varying_count) * draw.geometry.vertex_count);
     parallel_for(draw.geometry.vertex_count, vertex_grain, [&](size_t begin, size_t end) {
-        draw.vertices(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), positions.get(), varyings.get());
+        draw.vertices(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), positions.get(),
+                      varyings.get());
     });
     if (setup.drawable.width == 0 || setup.drawable.height == 0) {
         counters.culled += static_cast<std::int64_t>(triangles.size());

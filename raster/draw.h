@@ -4,8 +4,8 @@
 //   vertex program     (std::uint32_t vertex) -> Vertex<Varyings>       or -> vec4, where there are no varyings
 //   fragment program   (const Fragment<Varyings>&, FragmentOutput&)     or depth_only
 //
-// Varyings is a struct of floats. The machinery (set-up, bins, tiles, tests, blending) is compiled once in draw.cpp; programs meet
-// it one 8×8 block at a time. Per pixel, primitives take effect in the order they are submitted.
+// Varyings is a struct of floats. The machinery (set-up, bins, tiles, tests, blending) is compiled once in draw.cpp;
+// programs meet it one 8×8 block at a time. Per pixel, primitives take effect in the order they are submitted.
 
 #include <array>
 #include <bit>
@@ -27,8 +27,7 @@ namespace gnomon {
 
 struct NoVaryings {};
 
-template <class V = NoVaryings>
-struct Vertex {
+template <class V = NoVaryings> struct Vertex {
     vec4 position; // clip space
     V varyings;
 };
@@ -39,8 +38,7 @@ struct Geometry {
     std::span<const uvec3> triangles;
 };
 
-template <class V>
-struct Fragment {
+template <class V> struct Fragment {
     ivec2 pixel;
     float depth;     // window depth, polygon offset included
     float inverse_w; // 1/w of clip space
@@ -64,20 +62,19 @@ struct FragmentFlags {
     bool derivatives = false;  // varyings are evaluated for whole 2×2 quads
 };
 
-template <class Program>
-struct FragmentProgram {
+template <class Program> struct FragmentProgram {
     Program program;
     FragmentFlags flags;
 };
-template <class Program>
-FragmentProgram(Program, FragmentFlags) -> FragmentProgram<Program>;
+template <class Program> FragmentProgram(Program, FragmentFlags) -> FragmentProgram<Program>;
 
 struct DepthOnly {};
 inline constexpr DepthOnly depth_only{};
 
 namespace detail {
 
-// An 8×8 block of fragments of one triangle, on its way through the fragment program. Bit 8·j + i is pixel (x + i, y + j).
+// An 8×8 block of fragments of one triangle, on its way through the fragment program. Bit 8·j + i is pixel (x + i, y +
+// j).
 struct FragmentBlock {
     const SetupTriangle* triangle;
     const AttributePlanes* attributes; // null without varyings
@@ -100,7 +97,8 @@ struct Draw {
 
 void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Targets& targets);
 
-// A whole struct of varyings at a pixel, perspective-correct: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float, βi from planes in double.
+// A whole struct of varyings at a pixel, perspective-correct: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float, βi from planes
+// in double.
 template <class V>
 V interpolate(const FragmentBlock& block, const float* v0, const float* v1, const float* v2, int x, int y) {
     const SetupTriangle& t = *block.triangle;
@@ -113,8 +111,7 @@ V interpolate(const FragmentBlock& block, const float* v0, const float* v1, cons
     return std::bit_cast<V>(values);
 }
 
-template <class V>
-V difference(const V& a, const V& b) {
+template <class V> V difference(const V& a, const V& b) {
     constexpr size_t count = sizeof(V) / sizeof(float);
     auto x = std::bit_cast<std::array<float, count>>(a), y = std::bit_cast<std::array<float, count>>(b);
     for (size_t i = 0; i < count; ++i) x[i] -= y[i];
@@ -131,7 +128,8 @@ void shade_block(FragmentBlock& block, const float* varyings, std::span<const uv
         if constexpr (has_varyings)
             return interpolate<V>(block, varyings + index.x * stride, varyings + index.y * stride,
                                   varyings + index.z * stride, x, y);
-        else return {};
+        else
+            return {};
     };
     for (std::uint64_t rest = block.mask; rest; rest &= rest - 1) {
         const int bit = std::countr_zero(rest);
@@ -145,7 +143,8 @@ void shade_block(FragmentBlock& block, const float* varyings, std::span<const uv
         if constexpr (has_varyings) {
             fragment.inverse_w = static_cast<float>(block.triangle->evaluate(block.attributes->inverse_w, x, y));
             fragment.varyings = at(x, y);
-            if (flags.derivatives) { // quads sit on even coordinates; helpers beyond the triangle extrapolate its planes
+            if (flags
+                    .derivatives) { // quads sit on even coordinates; helpers beyond the triangle extrapolate its planes
                 const int left = x & ~1, bottom = y & ~1;
                 fragment.ddx = difference(at(left + 1, y), at(left, y));
                 fragment.ddy = difference(at(x, bottom + 1), at(x, bottom));
@@ -162,14 +161,8 @@ void shade_block(FragmentBlock& block, const float* varyings, std::span<const uv
     }
 }
 
-template <class Output>
-struct VaryingsOf {
-    using type = NoVaryings;
-};
-template <class V>
-struct VaryingsOf<Vertex<V>> {
-    using type = V;
-};
+template <class Output> struct VaryingsOf { using type = NoVaryings; };
+template <class V> struct VaryingsOf<Vertex<V>> { using type = V; };
 
 } // namespace detail
 

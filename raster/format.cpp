@@ -25,7 +25,7 @@ std::uint16_t half_from_float(float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
     const auto sign = static_cast<std::uint16_t>((bits >> 16) & 0x8000u);
     const std::uint32_t magnitude = bits & 0x7fffffffu;
-    if (magnitude > 0x7f800000u) return static_cast<std::uint16_t>(sign | 0x7e00u); // NaN
+    if (magnitude > 0x7f800000u) return static_cast<std::uint16_t>(sign | 0x7e00u);  // NaN
     if (magnitude >= 0x477ff000u) return static_cast<std::uint16_t>(sign | 0x7c00u); // rounds to 65536 or more
     std::uint32_t rounded;
     if (magnitude >= 0x38800000u) { // normal half: re-bias the exponent, then round away 13 bits
@@ -58,25 +58,34 @@ std::uint32_t unorm_from_float(float value, int bits) {
 std::uint32_t depth_key(Format format, double z) {
     z = z > 0.0 ? std::min(z, 1.0) : 0.0;
     switch (format) {
-    case Format::D16: return static_cast<std::uint32_t>(z * 65535.0 + 0.5);
-    case Format::D24: return static_cast<std::uint32_t>(z * 16777215.0 + 0.5);
-    default: return std::bit_cast<std::uint32_t>(static_cast<float>(z));
+    case Format::D16:
+        return static_cast<std::uint32_t>(z * 65535.0 + 0.5);
+    case Format::D24:
+        return static_cast<std::uint32_t>(z * 16777215.0 + 0.5);
+    default:
+        return std::bit_cast<std::uint32_t>(static_cast<float>(z));
     }
 }
 
 float depth_from_key(Format format, std::uint32_t key) {
     switch (format) {
-    case Format::D16: return static_cast<float>(key / 65535.0);
-    case Format::D24: return static_cast<float>(key / 16777215.0);
-    default: return std::bit_cast<float>(key);
+    case Format::D16:
+        return static_cast<float>(key / 65535.0);
+    case Format::D24:
+        return static_cast<float>(key / 16777215.0);
+    default:
+        return std::bit_cast<float>(key);
     }
 }
 
 double depth_resolution(Format format, double largest_depth) {
     switch (format) {
-    case Format::D16: return 0x1p-16;
-    case Format::D24: return 0x1p-24;
-    default: return largest_depth > 0 ? std::ldexp(1.0, std::ilogb(largest_depth) - 23) : 0x1p-149;
+    case Format::D16:
+        return 0x1p-16;
+    case Format::D24:
+        return 0x1p-24;
+    default:
+        return largest_depth > 0 ? std::ldexp(1.0, std::ilogb(largest_depth) - 23) : 0x1p-149;
     }
 }
 

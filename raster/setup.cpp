@@ -104,8 +104,7 @@ Plane plane_through(double f0, double f1, double f2, dvec2 e1, dvec2 e2, double 
 // Snapped triangle to set-up; false where it is culled.
 bool emit(const SetupState& state, std::array<WindowVertex, 3> v, std::array<dvec3, 3> barycentric, bool mirrored,
           std::uint32_t primitive, std::vector<SetupTriangle>& triangles, std::vector<AttributePlanes>& attributes) {
-    const std::int64_t area =
-        (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[2].x - v[0].x) * (v[1].y - v[0].y);
+    const std::int64_t area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[2].x - v[0].x) * (v[1].y - v[0].y);
     if (area == 0) return false;
     const bool counter_clockwise = (area > 0) != mirrored;
     const bool front = counter_clockwise == (state.front_face == FrontFace::CounterClockwise);
@@ -120,9 +119,8 @@ bool emit(const SetupState& state, std::array<WindowVertex, 3> v, std::array<dve
 
     // Anchor and gradients from the vertices in the order of their positions: independent of winding and submission.
     std::array<size_t, 3> order = {0, 1, 2};
-    std::sort(order.begin(), order.end(), [&](size_t i, size_t j) {
-        return v[i].x != v[j].x ? v[i].x < v[j].x : v[i].y < v[j].y;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](size_t i, size_t j) { return v[i].x != v[j].x ? v[i].x < v[j].x : v[i].y < v[j].y; });
     const WindowVertex &s0 = v[order[0]], &s1 = v[order[1]], &s2 = v[order[2]];
     const dvec2 e1 = dvec2(static_cast<double>(s1.x - s0.x), static_cast<double>(s1.y - s0.y)) / subpixels;
     const dvec2 e2 = dvec2(static_cast<double>(s2.x - s0.x), static_cast<double>(s2.y - s0.y)) / subpixels;
@@ -203,8 +201,8 @@ void set_up_triangle(const SetupState& state, const vec4& p0, const vec4& p1, co
     const auto inside_guard_band = [&](const dvec4& q) {
         return q.w > 0 && q.x + gx * q.w >= 0 && gx * q.w - q.x >= 0 && q.y + gy * q.w >= 0 && gy * q.w - q.y >= 0;
     };
-    const bool unclipped = !((o0 | o1 | o2) & 48u) && inside_guard_band(dvec4(p0)) &&
-                           inside_guard_band(dvec4(p1)) && inside_guard_band(dvec4(p2));
+    const bool unclipped = !((o0 | o1 | o2) & 48u) && inside_guard_band(dvec4(p0)) && inside_guard_band(dvec4(p1)) &&
+                           inside_guard_band(dvec4(p2));
     if (unclipped) {
         const std::array<WindowVertex, 3> v = {to_window(state, p0), to_window(state, p1), to_window(state, p2)};
         const std::array<dvec3, 3> barycentric = {dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)};
@@ -226,7 +224,8 @@ void set_up_triangle(const SetupState& state, const vec4& p0, const vec4& p1, co
     ++counts.clipped;
     bool any = false;
     for (int i = 1; i + 1 < count; ++i) {
-        const ClipVertex* corner[3] = {&polygon[0], &polygon[static_cast<size_t>(i)], &polygon[static_cast<size_t>(i + 1)]};
+        const ClipVertex* corner[3] = {&polygon[0], &polygon[static_cast<size_t>(i)],
+                                       &polygon[static_cast<size_t>(i + 1)]};
         if (corner[0]->position.w <= 0 || corner[1]->position.w <= 0 || corner[2]->position.w <= 0) continue;
         any |= emit(state,
                     {to_window(state, corner[0]->position), to_window(state, corner[1]->position),

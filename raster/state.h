@@ -1,5 +1,6 @@
 #pragma once
-// The fixed-function state of a draw, in the vocabulary of OpenGL and Vulkan. A default-constructed state is the API's default.
+// The fixed-function state of a draw, in the vocabulary of OpenGL and Vulkan. A default-constructed state is the API's
+// default.
 
 #include <array>
 #include <cstdint>
@@ -22,7 +23,7 @@ struct DepthState {
     struct Bounds {
         float minimum, maximum;
     };
-    std::optional<Bounds> bounds; // the depth bounds test: on the stored value
+    std::optional<Bounds> bounds = {}; // the depth bounds test: on the stored value
 };
 
 struct StencilFace {
@@ -40,8 +41,8 @@ struct StencilState {
     StencilFace front, back;
 };
 
-// o = factor·m + units·r, m = max(|∂z/∂x|, |∂z/∂y|) in window depth per pixel; a positive clamp bounds o from above, a negative one
-// from below.
+// o = factor·m + units·r, m = max(|∂z/∂x|, |∂z/∂y|) in window depth per pixel; a positive clamp bounds o from above, a
+// negative one from below.
 struct PolygonOffset {
     float factor = 0, units = 0, clamp = 0;
 };
@@ -51,8 +52,18 @@ struct Rectangle {
 };
 
 enum class BlendFactor : std::uint8_t {
-    Zero, One, SourceColor, OneMinusSourceColor, DestinationColor, OneMinusDestinationColor, SourceAlpha,
-    OneMinusSourceAlpha, DestinationAlpha, OneMinusDestinationAlpha, ConstantColor, ConstantAlpha,
+    Zero,
+    One,
+    SourceColor,
+    OneMinusSourceColor,
+    DestinationColor,
+    OneMinusDestinationColor,
+    SourceAlpha,
+    OneMinusSourceAlpha,
+    DestinationAlpha,
+    OneMinusDestinationAlpha,
+    ConstantColor,
+    ConstantAlpha,
 };
 enum class BlendOp : std::uint8_t { Add, Subtract, ReverseSubtract, Min, Max };
 
@@ -76,8 +87,8 @@ struct PipelineState {
     Cull cull = Cull::None;
     FrontFace front_face = FrontFace::CounterClockwise;
     PolygonOffset polygon_offset;
-    std::optional<Rectangle> viewport; // default: the whole target
-    std::optional<Rectangle> scissor;
+    std::optional<Rectangle> viewport = {}; // default: the whole target
+    std::optional<Rectangle> scissor = {};
     ClipDepth clip_depth = ClipDepth::NegativeOneToOne;
     BlendState blend;
     std::array<std::uint8_t, max_color_targets> color_mask = {15, 15, 15, 15, 15, 15, 15, 15}; // bits R, G, B, A

@@ -17,15 +17,13 @@ using Kind = FormatInfo::Kind;
 constexpr size_t alignment = 4096;
 constexpr size_t huge_page = size_t{2} << 20;
 
-template <class T>
-T read(const std::byte* bytes, int i) {
+template <class T> T read(const std::byte* bytes, int i) {
     T value;
     std::memcpy(&value, bytes + static_cast<size_t>(i) * sizeof(T), sizeof(T));
     return value;
 }
 
-template <class T>
-void write(std::byte* bytes, int i, T value) {
+template <class T> void write(std::byte* bytes, int i, T value) {
     std::memcpy(bytes + static_cast<size_t>(i) * sizeof(T), &value, sizeof(T));
 }
 
@@ -49,8 +47,7 @@ Target::Target(Format format, int width, int height, int layers, std::shared_ptr
     parallel_for(size_, huge_page, [&](size_t begin, size_t end) { std::memset(bytes + begin, 0, end - begin); });
 }
 
-template <class Fill>
-void Target::fill_rows(Pass& pass, const Fill& fill_texel) {
+template <class Fill> void Target::fill_rows(Pass& pass, const Fill& fill_texel) {
     // The first texel is converted once, then copied.
     std::array<std::byte, 16> value;
     fill_texel(value.data());
@@ -77,12 +74,19 @@ void store_texel(Format format, std::byte* at, vec4 value, std::uint8_t mask) {
         const float v = value[c];
         switch (f.kind) {
         case Kind::Unorm:
-            if (f.bytes == f.channels) write(at, c, static_cast<std::uint8_t>(unorm_from_float(v, 8)));
-            else write(at, c, static_cast<std::uint16_t>(unorm_from_float(v, 16)));
+            if (f.bytes == f.channels)
+                write(at, c, static_cast<std::uint8_t>(unorm_from_float(v, 8)));
+            else
+                write(at, c, static_cast<std::uint16_t>(unorm_from_float(v, 16)));
             break;
-        case Kind::Half: write(at, c, half_from_float(v)); break;
-        case Kind::Float: write(at, c, v); break;
-        default: assert(false && "integer, depth and stencil formats have their own stores");
+        case Kind::Half:
+            write(at, c, half_from_float(v));
+            break;
+        case Kind::Float:
+            write(at, c, v);
+            break;
+        default:
+            assert(false && "integer, depth and stencil formats have their own stores");
         }
     }
 }
@@ -93,10 +97,17 @@ void store_texel_uint(Format format, std::byte* at, glm::uvec4 value, std::uint8
         if (!(mask >> c & 1)) continue;
         switch (format) {
         case Format::R32UI:
-        case Format::S32: write(at, c, value[c]); break;
-        case Format::RGBA16UI: write(at, c, static_cast<std::uint16_t>(value[c])); break;
-        case Format::S8: write(at, c, static_cast<std::uint8_t>(value[c])); break;
-        default: assert(false && "not an integer format");
+        case Format::S32:
+            write(at, c, value[c]);
+            break;
+        case Format::RGBA16UI:
+            write(at, c, static_cast<std::uint16_t>(value[c]));
+            break;
+        case Format::S8:
+            write(at, c, static_cast<std::uint8_t>(value[c]));
+            break;
+        default:
+            assert(false && "not an integer format");
         }
     }
 }
@@ -110,8 +121,10 @@ void Target::clear(Pass& pass, vec4 value) {
 void Target::clear_depth(Pass& pass, float depth) {
     const std::uint32_t key = depth_key(format_, static_cast<double>(depth));
     fill_rows(pass, [&](std::byte* at) {
-        if (format_ == Format::D16) write(at, 0, static_cast<std::uint16_t>(key));
-        else write(at, 0, key);
+        if (format_ == Format::D16)
+            write(at, 0, static_cast<std::uint16_t>(key));
+        else
+            write(at, 0, key);
     });
 }
 
@@ -129,10 +142,17 @@ vec4 Target::load(int x, int y, int layer) const {
             value[c] = f.bytes == f.channels ? static_cast<float>(read<std::uint8_t>(at, c)) / 255.0f
                                              : static_cast<float>(read<std::uint16_t>(at, c)) / 65535.0f;
             break;
-        case Kind::Half: value[c] = float_from_half(read<std::uint16_t>(at, c)); break;
-        case Kind::Float: value[c] = read<float>(at, c); break;
-        case Kind::Depth: value[c] = depth(x, y, layer); break;
-        default: assert(false && "integer and stencil formats go through load_uint");
+        case Kind::Half:
+            value[c] = float_from_half(read<std::uint16_t>(at, c));
+            break;
+        case Kind::Float:
+            value[c] = read<float>(at, c);
+            break;
+        case Kind::Depth:
+            value[c] = depth(x, y, layer);
+            break;
+        default:
+            assert(false && "integer and stencil formats go through load_uint");
         }
     }
     return value;
@@ -148,10 +168,17 @@ glm::uvec4 Target::load_uint(int x, int y, int layer) const {
     for (int c = 0; c < info(format_).channels; ++c) {
         switch (format_) {
         case Format::R32UI:
-        case Format::S32: value[c] = read<std::uint32_t>(at, c); break;
-        case Format::RGBA16UI: value[c] = read<std::uint16_t>(at, c); break;
-        case Format::S8: value[c] = read<std::uint8_t>(at, c); break;
-        default: assert(false && "not an integer format");
+        case Format::S32:
+            value[c] = read<std::uint32_t>(at, c);
+            break;
+        case Format::RGBA16UI:
+            value[c] = read<std::uint16_t>(at, c);
+            break;
+        case Format::S8:
+            value[c] = read<std::uint8_t>(at, c);
+            break;
+        default:
+            assert(false && "not an integer format");
         }
     }
     return value;
@@ -164,18 +191,26 @@ void Target::store_uint(int x, int y, int layer, glm::uvec4 value, std::uint8_t 
 std::uint32_t Target::load_key(int x, int y, int layer) const {
     const std::byte* at = texel(x, y, layer);
     switch (texel_bytes_) {
-    case 1: return read<std::uint8_t>(at, 0);
-    case 2: return read<std::uint16_t>(at, 0);
-    default: return read<std::uint32_t>(at, 0);
+    case 1:
+        return read<std::uint8_t>(at, 0);
+    case 2:
+        return read<std::uint16_t>(at, 0);
+    default:
+        return read<std::uint32_t>(at, 0);
     }
 }
 
 void Target::store_key(int x, int y, int layer, std::uint32_t key) {
     std::byte* at = texel(x, y, layer);
     switch (texel_bytes_) {
-    case 1: write(at, 0, static_cast<std::uint8_t>(key)); break;
-    case 2: write(at, 0, static_cast<std::uint16_t>(key)); break;
-    default: write(at, 0, key);
+    case 1:
+        write(at, 0, static_cast<std::uint8_t>(key));
+        break;
+    case 2:
+        write(at, 0, static_cast<std::uint16_t>(key));
+        break;
+    default:
+        write(at, 0, key);
     }
 }
 

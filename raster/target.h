@@ -14,8 +14,8 @@ namespace gnomon {
 
 class Target {
 public:
-    // Contents are zero. Throws UsageError for an impossible size. `meter` may be null; otherwise the bytes count there for as
-    // long as the target lives.
+    // Contents are zero. Throws UsageError for an impossible size. `meter` may be null; otherwise the bytes count there
+    // for as long as the target lives.
     Target(Format format, int width, int height, int layers = 1, std::shared_ptr<MemoryMeter> meter = nullptr);
     Target(Target&&) = default;
     Target& operator=(Target&&) = default;
@@ -31,7 +31,8 @@ public:
     void clear_depth(Pass& pass, float depth);
     void clear_uint(Pass& pass, std::uint32_t value); // stencil and integer formats, all channels
 
-    // Texel values as a program sees them: missing channels are 0, alpha 1. Integer formats go through the _uint functions.
+    // Texel values as a program sees them: missing channels are 0, alpha 1. Integer formats go through the _uint
+    // functions.
     vec4 load(int x, int y, int layer = 0) const;
     void store(int x, int y, int layer, vec4 value, std::uint8_t channel_mask = 15);
     glm::uvec4 load_uint(int x, int y, int layer = 0) const;
@@ -42,14 +43,13 @@ public:
     void store_key(int x, int y, int layer, std::uint32_t key);
     float depth(int x, int y, int layer = 0) const { return depth_from_key(format_, load_key(x, y, layer)); }
 
-    // The stored words of a 32-bit-per-channel format, row by row from the bottom: T is float, vec2, vec4 or std::uint32_t.
-    template <class T>
-    T* row(int y, int layer = 0) {
+    // The stored words of a 32-bit-per-channel format, row by row from the bottom: T is float, vec2, vec4 or
+    // std::uint32_t.
+    template <class T> T* row(int y, int layer = 0) {
         assert(static_cast<int>(sizeof(T)) == info(format_).bytes);
         return reinterpret_cast<T*>(texel(0, y, layer));
     }
-    template <class T>
-    const T* row(int y, int layer = 0) const {
+    template <class T> const T* row(int y, int layer = 0) const {
         assert(static_cast<int>(sizeof(T)) == info(format_).bytes);
         return reinterpret_cast<const T*>(texel(0, y, layer));
     }
@@ -63,8 +63,7 @@ private:
         const auto line = static_cast<size_t>(layer) * static_cast<size_t>(height_) + static_cast<size_t>(y);
         return (line * static_cast<size_t>(width_) + static_cast<size_t>(x)) * texel_bytes_;
     }
-    template <class Fill>
-    void fill_rows(Pass& pass, const Fill& fill_texel);
+    template <class Fill> void fill_rows(Pass& pass, const Fill& fill_texel);
 
     struct Release {
         size_t size;

@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::uint64_t all_pixels = ~std::uint64_t{0};
 
-// The three edge functions rebased to a tile: ⌊E/256⌋ at its lower left pixel, stepping by a and b per pixel. Pixel centres are 256
-// apart, so the remainder is the same everywhere and the sign of the floor is the sign of E. An edge with the whole
-// tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
+// The three edge functions rebased to a tile: ⌊E/256⌋ at its lower left pixel, stepping by a and b per pixel. Pixel
+// centres are 256 apart, so the remainder is the same everywhere and the sign of the floor is the sign of E. An edge
+// with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
 struct TileEdges {
     std::int32_t base[3], a[3], b[3];
     bool empty = false;
@@ -27,7 +27,8 @@ TileEdges rebase(const SetupTriangle& t, int tile_x, int tile_y) {
         const std::int64_t corner =
             t.a[e] * (std::int64_t{tile_x} * 256 + 128) + t.b[e] * (std::int64_t{tile_y} * 256 + 128) + t.c[e];
         const std::int64_t base = corner >> 8;
-        const std::int64_t least = base + span * (std::min<std::int64_t>(t.a[e], 0) + std::min<std::int64_t>(t.b[e], 0));
+        const std::int64_t least =
+            base + span * (std::min<std::int64_t>(t.a[e], 0) + std::min<std::int64_t>(t.b[e], 0));
         const std::int64_t most = base + span * (std::max<std::int64_t>(t.a[e], 0) + std::max<std::int64_t>(t.b[e], 0));
         edges.empty |= most < 0;
         const bool inside = least >= 0;
@@ -74,13 +75,11 @@ std::uint64_t box_mask(const SetupTriangle& t, int x, int y) {
 
 using Keys = std::array<std::uint32_t, 64>;
 
-template <class Visit>
-void for_each_pixel(std::uint64_t mask, const Visit& visit) {
+template <class Visit> void for_each_pixel(std::uint64_t mask, const Visit& visit) {
     for (; mask; mask &= mask - 1) visit(std::countr_zero(mask));
 }
 
-template <class Visit>
-void for_each_row(std::uint64_t mask, const Visit& visit) {
+template <class Visit> void for_each_row(std::uint64_t mask, const Visit& visit) {
     for (int j = 0; mask; ++j, mask >>= 8)
         if (mask & 0xff) visit(j, static_cast<std::uint32_t>(mask & 0xff));
 }
@@ -106,28 +105,44 @@ void quantize_depth(Format format, std::uint64_t mask, const std::array<double, 
 
 bool compare(Compare test, std::uint32_t fresh, std::uint32_t stored) {
     switch (test) {
-    case Compare::Never: return false;
-    case Compare::Less: return fresh < stored;
-    case Compare::Equal: return fresh == stored;
-    case Compare::LessEqual: return fresh <= stored;
-    case Compare::Greater: return fresh > stored;
-    case Compare::NotEqual: return fresh != stored;
-    case Compare::GreaterEqual: return fresh >= stored;
-    case Compare::Always: return true;
+    case Compare::Never:
+        return false;
+    case Compare::Less:
+        return fresh < stored;
+    case Compare::Equal:
+        return fresh == stored;
+    case Compare::LessEqual:
+        return fresh <= stored;
+    case Compare::Greater:
+        return fresh > stored;
+    case Compare::NotEqual:
+        return fresh != stored;
+    case Compare::GreaterEqual:
+        return fresh >= stored;
+    case Compare::Always:
+        return true;
     }
     return true;
 }
 
 std::uint32_t apply(StencilOp op, std::uint32_t value, std::uint32_t reference, std::uint32_t maximum) {
     switch (op) {
-    case StencilOp::Keep: return value;
-    case StencilOp::Zero: return 0;
-    case StencilOp::Replace: return reference & maximum;
-    case StencilOp::Increment: return value == maximum ? maximum : value + 1;
-    case StencilOp::Decrement: return value == 0 ? 0 : value - 1;
-    case StencilOp::Invert: return ~value & maximum;
-    case StencilOp::IncrementWrap: return (value + 1) & maximum;
-    case StencilOp::DecrementWrap: return (value - 1) & maximum;
+    case StencilOp::Keep:
+        return value;
+    case StencilOp::Zero:
+        return 0;
+    case StencilOp::Replace:
+        return reference & maximum;
+    case StencilOp::Increment:
+        return value == maximum ? maximum : value + 1;
+    case StencilOp::Decrement:
+        return value == 0 ? 0 : value - 1;
+    case StencilOp::Invert:
+        return ~value & maximum;
+    case StencilOp::IncrementWrap:
+        return (value + 1) & maximum;
+    case StencilOp::DecrementWrap:
+        return (value - 1) & maximum;
     }
     return value;
 }
@@ -156,9 +171,7 @@ private:
     Target* depth() const { return tile.targets->depth; }
     Target* stencil() const { return tile.state->stencil.enabled ? tile.targets->stencil : nullptr; }
     int layer() const { return tile.targets->layer; }
-    const StencilFace& face() const {
-        return triangle.front ? tile.state->stencil.front : tile.state->stencil.back;
-    }
+    const StencilFace& face() const { return triangle.front ? tile.state->stencil.front : tile.state->stencil.back; }
     std::uint32_t stored(const Target& target, int bit) const {
         return target.load_key(x + (bit & 7), y + (bit >> 3), layer());
     }
@@ -200,7 +213,8 @@ private:
                 std::uint32_t kept = 0;
                 for (std::uint32_t rest = lanes; rest; rest &= rest - 1) {
                     const int i = std::countr_zero(rest);
-                    kept |= static_cast<std::uint32_t>(compare(test, keys[static_cast<size_t>(8 * j + i)], row[i])) << i;
+                    kept |= static_cast<std::uint32_t>(compare(test, keys[static_cast<size_t>(8 * j + i)], row[i]))
+                            << i;
                 }
                 passed &= ~(static_cast<std::uint64_t>(lanes & ~kept) << (8 * j));
             });
@@ -238,7 +252,8 @@ private:
 
 using Colors = std::array<std::array<vec4, 64>, max_color_targets>;
 
-void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const Colors& colors, PassCounters& counters) {
+void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const Colors& colors,
+                  PassCounters& counters) {
     const int layer = tile.targets->layer;
     for (size_t c = 0; c < tile.targets->color.size(); ++c) {
         Target* target = tile.targets->color[c];
@@ -252,10 +267,12 @@ void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const 
         for_each_pixel(mask, [&](int bit) {
             const int px = x + (bit & 7), py = y + (bit >> 3);
             const vec4 source = colors[c][static_cast<size_t>(bit)];
-            if (integer) target->store_uint(px, py, layer, glm::floatBitsToUint(source), channels);
+            if (integer)
+                target->store_uint(px, py, layer, glm::floatBitsToUint(source), channels);
             else if (blended)
                 target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer)), channels);
-            else target->store(px, py, layer, source, channels);
+            else
+                target->store(px, py, layer, source, channels);
         });
     }
 }

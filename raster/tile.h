@@ -1,5 +1,6 @@
 #pragma once
-// The inside of a tile: one triangle at a time through coverage, depth, stencil, program and blending, 8×8 pixels at a step.
+// The inside of a tile: one triangle at a time through coverage, depth, stencil, program and blending, 8×8 pixels at a
+// step.
 
 #include "raster/draw.h"
 
@@ -16,7 +17,8 @@ struct TileDraw {
     const float* varyings;
 };
 
-// Draws the part of the triangle inside the tile whose lower left pixel is (tile_x, tile_y). Adds the fragment and byte counters.
+// Draws the part of the triangle inside the tile whose lower left pixel is (tile_x, tile_y). Adds the fragment and byte
+// counters.
 void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int tile_x,
                   int tile_y, PassCounters& counters);
 

@@ -8,8 +8,8 @@ namespace gnomon {
 
 std::span<const Entry> techniques() {
     static const std::vector<Entry> entries = {
-        raytraced_entry(),
-        truth_entry(),
+        sm_entry(),       pcf_entry(),      vsm_entry(),       pcss_entry(),
+        sv_zpass_entry(), sv_zfail_entry(), raytraced_entry(), truth_entry(),
     };
     return entries;
 }
@@ -26,10 +26,14 @@ const Entry& find_technique(const std::string& id) {
 
 const char* technique_kind_name(TechniqueKind kind) {
     switch (kind) {
-    case TechniqueKind::Hard: return "hard";
-    case TechniqueKind::Filtered: return "filtered";
-    case TechniqueKind::Soft: return "soft";
-    case TechniqueKind::Accurate: return "accurate";
+    case TechniqueKind::Hard:
+        return "hard";
+    case TechniqueKind::Filtered:
+        return "filtered";
+    case TechniqueKind::Soft:
+        return "soft";
+    case TechniqueKind::Accurate:
+        return "accurate";
     }
     return "";
 }
