@@ -9,6 +9,7 @@
 #include <memory>
 #include <new>
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
@@ -46,22 +47,21 @@ void quieten_library() {
 }
 
 // Writes `rows(first, count)`, interleaved samples of `format` of file rows [first, first + count), top row first.
+// `shown` names the file in errors, `opened` is what the library opens: another path, or a name for what lies in
+// memory.
 template <class Rows>
-void write_rows(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc format, const char* driver,
-                Rows rows) {
-    quieten_library();
-    write_atomically(path, [&](const std::string& temporary_path) {
-        const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(driver);
-        if (!output) fail_to_write(path, reason("", temporary_path));
-        if (!output->open(temporary_path, spec)) fail_to_write(path, reason(output->geterror(), temporary_path));
-        for (int first = 0; first < spec.height; first += rows_at_a_time) {
-            const int count = std::min(rows_at_a_time, spec.height - first);
-            const auto samples = rows(first, count);
-            if (!output->write_scanlines(first, first + count, 0, format, samples.data()))
-                fail_to_write(path, reason(output->geterror(), temporary_path));
-        }
-        if (!output->close()) fail_to_write(path, reason(output->geterror(), temporary_path));
-    });
+void write_rows(const std::string& shown, const std::string& opened, const OIIO::ImageSpec& spec, OIIO::TypeDesc format,
+                const char* driver, Rows rows) {
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(driver);
+    if (!output) fail_to_write(shown, reason("", opened));
+    if (!output->open(opened, spec)) fail_to_write(shown, reason(output->geterror(), opened));
+    for (int first = 0; first < spec.height; first += rows_at_a_time) {
+        const int count = std::min(rows_at_a_time, spec.height - first);
+        const auto samples = rows(first, count);
+        if (!output->write_scanlines(first, first + count, 0, format, samples.data()))
+            fail_to_write(shown, reason(output->geterror(), opened));
+    }
+    if (!output->close()) fail_to_write(shown, reason(output->geterror(), opened));
 }
 
 void put_attribute(OIIO::ImageSpec& spec, const std::string& name, const Attribute& value) {
@@ -195,7 +195,7 @@ void write_exr(const std::string& path, const ChannelImage& image) {
     // any.
     const void* nothing = nullptr;
     spec.attribute("DateTime", OIIO::TypeDesc(OIIO::TypeDesc::PTR), &nothing);
-    write_rows(path, spec, OIIO::TypeFloat, "openexr", [&](int first, int count) {
+    const auto rows = [&](int first, int count) {
         std::vector<float> samples;
         samples.reserve(static_cast<size_t>(count) * static_cast<size_t>(image.width) * image.channels.size());
         for (int y = first; y < first + count; ++y)
@@ -203,22 +203,65 @@ void write_exr(const std::string& path, const ChannelImage& image) {
                 for (const Channel& channel : image.channels)
                     samples.push_back(channel.values(x, image.height - 1 - y));
         return samples;
+    };
+    quieten_library();
+    write_atomically(path, [&](const std::string& temporary_path) {
+        write_rows(path, temporary_path, spec, OIIO::TypeFloat, "openexr", rows);
     });
 }
 
-void write_png(const std::string& path, const Image<vec3>& srgb, const std::map<std::string, std::string>& text) {
-    OIIO::ImageSpec spec(srgb.width(), srgb.height(), 3, OIIO::TypeUInt8);
-    for (const auto& [name, value] : text) spec.attribute(name, value);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    const auto quantize = [](float value) { // NaN becomes 0
-        return static_cast<std::uint8_t>(value > 0.0f ? std::min(value, 1.0f) * 255.0f + 0.5f : 0.0f);
-    };
-    write_rows(path, spec, OIIO::TypeUInt8, "png", [&](int first, int count) {
+namespace {
+
+// Interleaved 8-bit rows for write_rows; NaN becomes 0.
+auto quantized_rows(const Image<vec3>& srgb) {
+    return [&srgb](int first, int count) {
+        const auto quantize = [](float value) {
+            return static_cast<std::uint8_t>(value > 0.0f ? std::min(value, 1.0f) * 255.0f + 0.5f : 0.0f);
+        };
         std::vector<std::uint8_t> samples;
         samples.reserve(static_cast<size_t>(count) * static_cast<size_t>(srgb.width()) * 3);
         for (int y = first; y < first + count; ++y)
             for (const vec3& color : srgb.row(srgb.height() - 1 - y))
                 for (int i = 0; i < 3; ++i) samples.push_back(quantize(color[i]));
+        return samples;
+    };
+}
+
+template <class Rows> std::string encode_rows(int width, int height, int channels, Rows rows) {
+    OIIO::ImageSpec spec(width, height, channels, OIIO::TypeUInt8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("png:compressionLevel", 9);
+    OIIO::Filesystem::IOVecOutput bytes;
+    void* const destination = &bytes;
+    spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &destination);
+    quieten_library();
+    write_rows("a PNG in memory", "memory.png", spec, OIIO::TypeUInt8, "png", rows);
+    return {bytes.buffer().begin(), bytes.buffer().end()};
+}
+
+} // namespace
+
+void write_png(const std::string& path, const Image<vec3>& srgb, const std::map<std::string, std::string>& text) {
+    OIIO::ImageSpec spec(srgb.width(), srgb.height(), 3, OIIO::TypeUInt8);
+    for (const auto& [name, value] : text) spec.attribute(name, value);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    quieten_library();
+    write_atomically(path, [&](const std::string& temporary_path) {
+        write_rows(path, temporary_path, spec, OIIO::TypeUInt8, "png", quantized_rows(srgb));
+    });
+}
+
+std::string encode_png(const Image<vec3>& srgb) {
+    return encode_rows(srgb.width(), srgb.height(), 3, quantized_rows(srgb));
+}
+
+std::string encode_png(const Image<std::uint8_t>& gray) {
+    return encode_rows(gray.width(), gray.height(), 1, [&](int first, int count) {
+        std::vector<std::uint8_t> samples;
+        for (int y = first; y < first + count; ++y) {
+            const std::span<const std::uint8_t> row = gray.row(gray.height() - 1 - y);
+            samples.insert(samples.end(), row.begin(), row.end());
+        }
         return samples;
     });
 }

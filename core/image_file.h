@@ -2,6 +2,7 @@
 // Reading and writing EXR and PNG through OpenImageIO. Images are bottom-up in memory and top-down in files: this is
 // the one place that flips them. Files appear whole or not at all (core/atomic_file.h).
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <variant>
@@ -38,6 +39,10 @@ void write_exr(const std::string& path, const ChannelImage& image);
 // 8-bit PNG of values that are already display-referred sRGB in [0, 1] (rounded to nearest, clamped). `text` goes into
 // tEXt.
 void write_png(const std::string& path, const Image<vec3>& srgb, const std::map<std::string, std::string>& text = {});
+
+// The bytes of a PNG file, in colour as above or in grey, compressed as well as PNG can.
+std::string encode_png(const Image<vec3>& srgb);
+std::string encode_png(const Image<std::uint8_t>& gray);
 
 // Any format OpenImageIO reads. Integer formats are scaled to [0, 1]; PNG's sRGB channels stay as stored (not
 // linearised). Throws InputError where the file is missing, not an image, truncated, or larger than max_image_side.

@@ -154,40 +154,65 @@ double evaluate(const Metric& metric, const std::vector<Group>& groups) {
     return pool(metric, values, weights);
 }
 
-std::int64_t count_union(const std::vector<Group>& groups, size_t pixels) {
-    return reduce_pixels(pixels,
-                         [&](size_t pixel, PixelSum& sum) {
-                             if (std::any_of(groups.begin(), groups.end(), [&](const Group& g) {
-                                     return g.mask.empty() || g.mask.values()[pixel] != 0;
-                                 }))
-                                 sum.add(0.0);
-                         })
-        .count;
+bool in_any_mask(const std::vector<Group>& groups, size_t pixel) {
+    return std::any_of(groups.begin(), groups.end(),
+                       [&](const Group& group) { return group.mask.empty() || group.mask.values()[pixel] != 0; });
+}
+
+// The groups with their masks, but for pixels that are missing.
+std::vector<Group> masked_groups(const ChannelImage& test, const ChannelImage& reference,
+                                 const CompareOptions& options) {
+    check_sizes(test, reference, options);
+    std::vector<Group> groups = groups_of(test, reference, options);
+    for (Group& group : groups) {
+        if (options.mask_source == MaskSource::Given) group.mask = options.mask;
+        if (options.mask_source != MaskSource::Images) continue;
+        intersect_mask(test, group.channels[0].first->name, group.mask);
+        intersect_mask(reference, group.channels[0].second->name, group.mask);
+    }
+    return groups;
 }
 
 } // namespace
 
 Comparison compare(const ChannelImage& test, const ChannelImage& reference, const CompareOptions& options) {
     const std::vector<const Metric*> chosen = metrics_of(options);
-    check_sizes(test, reference, options);
-    std::vector<Group> groups = groups_of(test, reference, options);
+    std::vector<Group> groups = masked_groups(test, reference, options);
     Comparison comparison;
     comparison.test = options.test_name, comparison.reference = options.reference_name;
     comparison.pixels = std::int64_t{test.width} * test.height;
     for (Group& group : groups) {
-        if (options.mask_source == MaskSource::Given) group.mask = options.mask;
-        if (options.mask_source == MaskSource::Images) {
-            intersect_mask(test, group.channels[0].first->name, group.mask);
-            intersect_mask(reference, group.channels[0].second->name, group.mask);
-        }
         comparison.missing += drop_missing(group);
         for (const auto& channels : group.channels) comparison.channels.push_back(channels.first->name);
     }
-    comparison.masked = count_union(groups, static_cast<size_t>(comparison.pixels));
+    for (size_t pixel = 0; pixel < static_cast<size_t>(comparison.pixels); ++pixel)
+        comparison.masked += in_any_mask(groups, pixel);
     for (const Metric* metric : chosen)
         if (const double value = evaluate(*metric, groups); !std::isnan(value))
             comparison.metrics.emplace_back(metric->id, value);
     return comparison;
+}
+
+ComparedValues compared_values(const ChannelImage& test, const ChannelImage& reference, const CompareOptions& options) {
+    const std::vector<Group> groups = masked_groups(test, reference, options);
+    ComparedValues values{Image<float>(test.width, test.height), Image<float>(test.width, test.height), {}};
+    const bool masked =
+        std::all_of(groups.begin(), groups.end(), [](const Group& group) { return !group.mask.empty(); });
+    if (masked) values.mask = Image<std::uint8_t>(test.width, test.height);
+    for (size_t pixel = 0; pixel < values.test.size(); ++pixel) {
+        float count = 0.0f;
+        for (const Group& group : groups) {
+            if (!group.mask.empty() && group.mask.values()[pixel] == 0) continue;
+            for (const auto& [a, b] : group.channels) {
+                values.test.values()[pixel] += a->values.values()[pixel];
+                values.reference.values()[pixel] += b->values.values()[pixel];
+                count += 1.0f;
+            }
+        }
+        if (count > 0.0f) values.test.values()[pixel] /= count, values.reference.values()[pixel] /= count;
+        if (masked) values.mask.values()[pixel] = count > 0.0f;
+    }
+    return values;
 }
 
 nlohmann::ordered_json comparison_json(const Comparison& comparison) {

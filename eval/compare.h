@@ -46,6 +46,15 @@ struct Comparison {
 // missing or the images have none in common, and UsageError for an unknown metric.
 Comparison compare(const ChannelImage& test, const ChannelImage& reference, const CompareOptions& options = {});
 
+// What an error map of the same comparison shows: the mean over the compared channels, and their mask (empty: all
+// pixels).
+struct ComparedValues {
+    Image<float> test, reference;
+    Image<std::uint8_t> mask;
+};
+ComparedValues compared_values(const ChannelImage& test, const ChannelImage& reference,
+                               const CompareOptions& options = {});
+
 // {"test", "reference", "channels", "pixels", "masked", "missing", "metrics": {…}}; an infinite value is null.
 nlohmann::ordered_json comparison_json(const Comparison& comparison);
 

@@ -152,6 +152,24 @@ TEST_CASE("a PNG gives back 8-bit values and its text") {
             CHECK(std::lround(code(c, 123, y)) == std::lround(image(123, y)[static_cast<int>(c)] * 255.0f));
 }
 
+TEST_CASE("a PNG encoded in memory is the file") {
+    const std::string path = gnomon_tests::temporary_folder() + "/memory.png";
+    const Image<vec3> image = colors(70, 90);
+    write_text_file(path, encode_png(image));
+    const ChannelImage read = read_image(path);
+    Image<std::uint8_t> gray(70, 90);
+    for (size_t i = 0; i < gray.size(); ++i) {
+        gray.values()[i] = static_cast<std::uint8_t>(i * 7);
+        for (size_t c = 0; c < 3; ++c)
+            REQUIRE(read.channels[c].values.values()[i] == Approx(image.values()[i][static_cast<int>(c)]));
+    }
+    write_text_file(path, encode_png(gray));
+    const ChannelImage read_gray = read_image(path);
+    REQUIRE(read_gray.channels.size() == 1);
+    for (size_t i = 0; i < gray.size(); ++i)
+        REQUIRE(std::lround(read_gray.channels[0].values.values()[i] * 255.0f) == gray.values()[i]);
+}
+
 TEST_CASE("the bottom row in memory is the last row of a file") {
     // A PPM is plain text order: its first triple is the top left pixel.
     const std::string path = gnomon_tests::temporary_folder() + "/two.ppm";

@@ -110,6 +110,22 @@ TEST_CASE("a colour that is missing in one channel is left out of all") {
     CHECK(value_of(comparison, "max") == 0.0);
 }
 
+TEST_CASE("an error map sees the mean of the compared channels") {
+    const ChannelImage test = with_channels({{"a.V", 0.5f}, {"a.M", 1.0f}, {"b.V", 1.0f}, {"b.M", 0.0f}});
+    ChannelImage truth = with_channels({{"a.V", 0.25f}, {"b.V", 0.0f}, {"a.M", 1.0f}});
+    CompareOptions everywhere;
+    everywhere.mask_source = MaskSource::None;
+    ComparedValues values = compared_values(test, truth);
+    CHECK(values.test(1, 1) == 0.5f);
+    CHECK(values.reference(1, 1) == 0.25f);
+    CHECK(values.mask(1, 1) == 1);
+    truth.channels[2].values(1, 1) = 0.0f;
+    CHECK(compared_values(test, truth).mask(1, 1) == 0);
+    values = compared_values(test, truth, everywhere);
+    CHECK(values.test(1, 1) == 0.75f);
+    CHECK(values.mask.empty());
+}
+
 TEST_CASE("images that cannot be compared are errors that name both") {
     const ChannelImage visibility = with_channels({{"V", 1.0f}}), color = with_channels({{"R", 1.0f}, {"G", 1.0f}});
     CHECK(error_of<InputError>(visibility, with_channels({{"V", 1.0f}}, 8, 12)) ==
