@@ -72,9 +72,8 @@ JsonReader JsonReader::at(const std::string& key) const {
     return {*found, *file_, path_.empty() ? key : path_ + "." + key};
 }
 
-void JsonReader::only(std::initializer_list<const char*> keys) const {
+void JsonReader::only(const Keys& known) const {
     expect_object();
-    const std::vector<std::string> known(keys.begin(), keys.end());
     for (const auto& item : value_->items()) {
         if (std::find(known.begin(), known.end(), item.key()) != known.end()) continue;
         const JsonReader place(item.value(), *file_, path_.empty() ? item.key() : path_ + "." + item.key());

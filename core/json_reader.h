@@ -2,9 +2,9 @@
 // Checked reading of JSON documents: a value that knows the file and the place it came from, so that every complaint is
 // one line such as "scene.json: lights[0].size must be a number between 0 and 1e+06".
 
-#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -29,7 +29,8 @@ public:
     // Objects. `at` fails where the key is missing; `only` where there is any other key.
     bool has(const std::string& key) const;
     JsonReader at(const std::string& key) const;
-    void only(std::initializer_list<const char*> keys) const;
+    using Keys = std::vector<std::string>;
+    void only(const Keys& known) const;
 
     // Arrays. `size` fails where the value is not an array.
     size_t size() const;

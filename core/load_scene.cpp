@@ -86,10 +86,12 @@ void finish_scene(Scene& scene, const std::string& specification) {
     for (Camera& camera : scene.cameras) {
         const bool near_given = camera.near_plane > 0.0f || (camera.orthographic && camera.near_plane == 0.0f);
         if (near_given && camera.near_plane < camera.far_plane) continue;
-        // A near plane that the author chose stays, unless it is too near for the depth range that the scene needs.
-        const float chosen = camera.near_plane;
+        // A plane that the author chose stays, unless near is too near for the depth range that the scene needs.
+        const float chosen_near = camera.near_plane, chosen_far = camera.far_plane;
         fit_planes(camera, scene.bounds);
-        if (chosen >= 1e-4f * camera.far_plane && chosen < camera.far_plane) camera.near_plane = chosen;
+        if (chosen_far > 0.0f) camera.far_plane = chosen_far;
+        if (chosen_near >= 1e-4f * camera.far_plane && chosen_near < camera.far_plane) camera.near_plane = chosen_near;
+        if (camera.near_plane >= camera.far_plane) camera.near_plane = 1e-4f * camera.far_plane;
     }
     if (scene.cameras.empty()) scene.cameras.push_back(default_camera(scene));
     if (scene.lights.empty()) scene.lights.push_back(default_light(scene));

@@ -46,6 +46,17 @@ Light default_light(const Scene& scene) {
     return light;
 }
 
+void add_light_surface(Scene& scene, const Light& light) {
+    const vec3 along = light.tangent * (0.5f * light.size.x), across = bitangent(light) * (0.5f * light.size.y);
+    const vec3 p = light.position;
+    MeshData quad;
+    quad.positions = {p - along - across, p + along - across, p + along + across, p - along + across};
+    quad.triangles = {{0, 1, 2}, {0, 2, 3}};
+    scene.materials.push_back({light.name, vec3(0.0f), light.intensity, -1});
+    add_object(scene, light.name, quad, dmat4(1.0), static_cast<std::uint32_t>(scene.materials.size() - 1));
+    scene.objects.back().light_source = true;
+}
+
 Light transformed(Light light, const dmat4& transform) {
     const glm::dmat3 linear(transform);
     const dvec3 tangent = linear * dvec3(light.tangent), across = linear * dvec3(bitangent(light));

@@ -37,6 +37,9 @@ void append_scene(Scene& scene, const Scene& other, const dmat4& transform, Appe
 Light transformed(Light light, const dmat4& transform);
 Camera transformed(Camera camera, const dmat4& transform);
 
+// Makes a rectangular light visible: appends its surface as a light_source object of the light's name and radiance.
+void add_light_surface(Scene& scene, const Light& light);
+
 // `v` as a unit vector: as it is where that is already so to float precision, which keeps what was unit bit for bit.
 vec3 unit(dvec3 v);
 // `v` without its part along unit `n`, as a unit vector, by the same rule.

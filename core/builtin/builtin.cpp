@@ -4,8 +4,8 @@ namespace gnomon {
 
 std::span<const BuiltinScene> builtin_scenes() {
     static const std::vector<BuiltinScene> scenes = {
-        default_scene(),
-        half_plane_scene(),
+        default_scene(),   half_plane_scene(),     fence_scene(),   wire_ball_scene(), tree_scene(),
+        colonnade_scene(), stacked_plates_scene(), cornell_scene(), staircase_scene(),
     };
     return scenes;
 }
