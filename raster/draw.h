@@ -50,9 +50,9 @@ template <class V> struct Fragment {
 };
 
 struct FragmentOutput {
-    std::array<vec4, max_color_targets> color; // integer targets take the bits (glm::uintBitsToFloat)
-    float depth;                               // read only with FragmentFlags::writes_depth
-    bool discarded;
+    std::array<vec4, max_color_targets> color{}; // integer targets take the bits (glm::uintBitsToFloat)
+    float depth = 0;                               // read only with FragmentFlags::writes_depth
+    bool discarded = false;
 };
 
 // What a fragment program does besides writing colours; each costs something, so each is asked for.
@@ -150,9 +150,8 @@ void shade_block(FragmentBlock& block, const float* varyings, std::span<const uv
                 fragment.ddy = difference(at(x, bottom + 1), at(x, bottom));
             }
         }
-        FragmentOutput output;
+        FragmentOutput output; // a target that the program leaves alone gets zeros
         output.depth = fragment.depth;
-        output.discarded = false;
         program(fragment, output);
         if (output.discarded) block.mask &= ~(std::uint64_t{1} << bit);
         block.depth[static_cast<size_t>(bit)] = output.depth;
