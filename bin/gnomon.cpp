@@ -40,6 +40,7 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error) {
     const std::vector<std::string> unknown = program.remaining(true);
     const std::string where = chosen.empty() ? "" : " " + chosen.front()->get_name();
     const std::string hint = fmt::format(" (gnomon{} --help shows the usage)", where);
+    if (unknown.empty() && chosen.empty()) return "a command is missing" + hint;
     if (unknown.empty()) return error.what() + hint;
     const std::string& word = unknown.front();
     if (word.size() > 1 && word.front() == '-')
