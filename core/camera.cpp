@@ -1,5 +1,6 @@
 #include "core/camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon {
@@ -14,6 +15,19 @@ Camera look_at(vec3 eye, vec3 target, float vertical_fov_radians) {
     camera.up = vec3(glm::cross(right, forward));
     camera.vertical_fov = vertical_fov_radians;
     return camera;
+}
+
+void fit_planes(Camera& camera, const Bounds& bounds) {
+    float nearest = infinity, farthest = -infinity;
+    for (int i = 0; i < 8; ++i) {
+        const float depth = glm::dot(bounds.corner(i) - camera.position, camera.forward);
+        nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
+    }
+    const float margin = 0.01f * std::max(bounds.diagonal(), 1e-6f);
+    // A camera that looks away from the scene still needs a valid range.
+    camera.far_plane = farthest > 0.0f ? farthest + margin : std::max(bounds.diagonal(), 1e-3f);
+    camera.near_plane = std::max(nearest - margin, 1e-4f * camera.far_plane);
+    if (camera.near_plane >= camera.far_plane) camera.near_plane = 1e-4f * camera.far_plane;
 }
 
 dmat4 frame_matrix(dvec3 origin, dvec3 right, dvec3 up, dvec3 forward) {

@@ -1,6 +1,6 @@
 #pragma once
-// A viewer: perspective or orthographic, looking along `forward`. The aspect ratio is that of the image, so a camera from a file
-// keeps its vertical field of view whatever the size of the output.
+// A viewer: perspective or orthographic, looking along `forward`. The aspect ratio is that of the image, so a camera
+// from a file keeps its vertical field of view whatever the size of the output.
 
 #include <string>
 
@@ -23,6 +23,10 @@ struct Camera {
 // A camera at `eye` looking at `target`; world y is up unless the view is vertical, then −z.
 Camera look_at(vec3 eye, vec3 target, float vertical_fov_radians);
 
+// Near and far planes around a box as seen from the camera: near as large as is safe and at least 1e-4 of far, which
+// bounds the loss of depth precision where the camera stands inside the box.
+void fit_planes(Camera& camera, const Bounds& bounds);
+
 // World to eye space: x right, y up, looking along −z.
 dmat4 view_matrix(const Camera& camera);
 
@@ -33,8 +37,8 @@ dmat4 projection_matrix(const Camera& camera, double aspect);
 // For an orthographic camera, which has no such limit, the far plane stays.
 dmat4 infinite_projection_matrix(const Camera& camera, double aspect);
 
-// The ray through window position (x, y), pixel centres at .5: origin on the eye (perspective) or on the plane through it
-// (orthographic); direction unit, in double.
+// The ray through window position (x, y), pixel centres at .5: origin on the eye (perspective) or on the plane through
+// it (orthographic); direction unit, in double.
 struct CameraRay {
     dvec3 origin;
     dvec3 direction;

@@ -29,6 +29,13 @@ const char* light_type_name(LightType type) {
     return "";
 }
 
+std::vector<std::string> light_type_names(LightTypes types) {
+    std::vector<std::string> names;
+    for (int i = 0; i <= static_cast<int>(LightType::TexturedRectangle); ++i)
+        if (const auto type = static_cast<LightType>(i); types & bit(type)) names.emplace_back(light_type_name(type));
+    return names;
+}
+
 vec3 any_tangent(vec3 n) {
     const vec3 axis = std::abs(n.x) < 0.9f ? vec3(1, 0, 0) : vec3(0, 0, 1);
     return glm::normalize(axis - n * glm::dot(axis, n));

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/image.h"
 #include "core/math.h"
@@ -39,6 +40,8 @@ inline constexpr LightTypes punctual_lights =
 inline constexpr LightTypes area_lights =
     bit(LightType::Rectangle) | bit(LightType::Disk) | bit(LightType::Sphere) | bit(LightType::TexturedRectangle);
 inline constexpr LightTypes all_lights = punctual_lights | area_lights;
+
+std::vector<std::string> light_type_names(LightTypes types); // in the order of the enumerators
 
 inline vec3 bitangent(const Light& light) { return glm::cross(light.direction, light.tangent); }
 
