@@ -16,6 +16,7 @@
 #include "core/gltf_accessor.h"
 #include "core/gltf_check.h"
 #include "core/gltf_lights.h"
+#include "core/gltf_mesh.h"
 #include "core/json_reader.h"
 #include "core/scene_load.h"
 
@@ -261,54 +262,10 @@ private:
                 ++points_and_lines_;
                 continue;
             }
-            const auto position = primitive.attributes.find("POSITION");
-            if (position == primitive.attributes.end()) {
-                const bool draco = primitive.extensions.contains("KHR_draco_mesh_compression");
-                throw InputError(path_ + ": " + place + " has no POSITION" +
-                                 (draco ? "; export it without mesh compression" : ""));
-            }
             const std::string object = mesh.primitives.size() == 1 ? name : fmt::format("{}.{}", name, i);
-            add_mesh_object(object, read_primitive(primitive, position->second, mode, place), transform,
+            add_mesh_object(object, read_primitive(file_, primitive, place), transform,
                             material_index(primitive.material), node, place);
         }
-    }
-
-    MeshData read_primitive(const tinygltf::Primitive& primitive, int position, int mode,
-                            const std::string& place) const {
-        MeshData mesh;
-        mesh.positions = read_vec3(file_, position, 0, place + ".attributes.POSITION");
-        const size_t count = mesh.positions.size();
-        if (const auto normal = primitive.attributes.find("NORMAL"); normal != primitive.attributes.end() && count > 0)
-            mesh.normals = read_vec3(file_, normal->second, count, place + ".attributes.NORMAL");
-        if (const auto uv = primitive.attributes.find("TEXCOORD_0"); uv != primitive.attributes.end() && count > 0)
-            mesh.uvs = read_vec2(file_, uv->second, count, place + ".attributes.TEXCOORD_0");
-        std::vector<std::uint32_t> indices;
-        if (primitive.indices >= 0)
-            indices = read_indices(file_, primitive.indices, place + ".indices");
-        else {
-            indices.resize(count);
-            for (size_t i = 0; i < count; ++i) indices[i] = static_cast<std::uint32_t>(i);
-        }
-        mesh.triangles = assemble(indices, mode);
-        return mesh;
-    }
-
-    // Triangles of a list, strip or fan; every other triangle of a strip is turned so that all face the same way.
-    // [glTF 2.0, 3.7.2.1]
-    static std::vector<uvec3> assemble(const std::vector<std::uint32_t>& indices, int mode) {
-        std::vector<uvec3> triangles;
-        if (mode == TINYGLTF_MODE_TRIANGLES) {
-            triangles.resize(indices.size() / 3);
-            std::memcpy(triangles.data(), indices.data(), triangles.size() * sizeof(uvec3));
-            return triangles;
-        }
-        for (size_t i = 0; i + 2 < indices.size(); ++i) {
-            if (mode == TINYGLTF_MODE_TRIANGLE_FAN)
-                triangles.emplace_back(indices[i + 1], indices[i + 2], indices[0]);
-            else
-                triangles.emplace_back(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
-        }
-        return triangles;
     }
 
     void add_mesh_object(const std::string& name, const MeshData& mesh, const dmat4& transform, std::uint32_t material,
@@ -320,12 +277,12 @@ private:
         }
         Object& object = scene_.objects.back();
         const vec3 emission = scene_.materials[material].emission;
-        if (std::max({emission.x, emission.y, emission.z}) <= 0.0f) return;
         // Written by export_glb: the surface of a light that has a node of its own.
         if (node.has("extras") && node.at("extras").has("light_source")) {
             object.light_source = node.at("extras").at("light_source").boolean();
             return;
         }
+        if (std::max({emission.x, emission.y, emission.z}) <= 0.0f) return;
         if (std::optional<Light> light = quad_light(scene_, object)) {
             object.light_source = true;
             light->name = name;

@@ -113,12 +113,12 @@ bool is_mirrored(const dmat4& transform) { return glm::determinant(glm::dmat3(tr
 vec3 unit(dvec3 v) {
     const double length = glm::length(v);
     if (!(length > 0)) return vec3(0.0f);
-    return std::abs(length - 1.0) < 5e-7 ? vec3(v) : vec3(v / length);
+    return std::abs(length - 1.0) < unit_tolerance ? vec3(v) : vec3(v / length);
 }
 
 vec3 unit_orthogonal(dvec3 v, vec3 n) {
     const double along = glm::dot(v, dvec3(n)) / glm::dot(dvec3(n), dvec3(n));
-    return unit(std::abs(along) < 5e-7 * glm::length(v) ? v : v - along * dvec3(n));
+    return unit(std::abs(along) < unit_tolerance * glm::length(v) ? v : v - along * dvec3(n));
 }
 
 vec3 geometric_normal(const Scene& scene, std::uint32_t triangle) {

@@ -62,7 +62,7 @@ Light transformed(Light light, const dmat4& transform) {
     const dvec3 tangent = linear * dvec3(light.tangent), across = linear * dvec3(bitangent(light));
     const auto scaled = [](float size, dvec3 axis) {
         const double length = glm::length(axis);
-        return std::abs(length - 1.0) < 5e-7 ? size : static_cast<float>(size * length);
+        return std::abs(length - 1.0) < unit_tolerance ? size : static_cast<float>(size * length);
     };
     light.position = vec3(dvec3(transform * dvec4(dvec3(light.position), 1.0)));
     light.direction = unit(linear * dvec3(light.direction));

@@ -41,6 +41,7 @@ Camera transformed(Camera camera, const dmat4& transform);
 void add_light_surface(Scene& scene, const Light& light);
 
 // `v` as a unit vector: as it is where that is already so to float precision, which keeps what was unit bit for bit.
+inline constexpr double unit_tolerance = 1e-6; // a few roundings of float vectors and their cross products
 vec3 unit(dvec3 v);
 // `v` without its part along unit `n`, as a unit vector, by the same rule.
 vec3 unit_orthogonal(dvec3 v, vec3 n);

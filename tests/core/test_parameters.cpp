@@ -19,9 +19,10 @@ struct Params : Base {
     Mode mode = Mode::Far;
 };
 constexpr auto base_fields = fields(field("size", &Base::size, 1, 16384, "texels", "side"));
-constexpr auto all_fields = join(base_fields, fields(field("bias", &Params::bias, -1, 1, "m", "offset", "Paper 2000, 3"),
-                                                     field("enabled", &Params::enabled, "whether"),
-                                                     field("mode", &Params::mode, "near|far", "which")));
+constexpr auto all_fields =
+    join(base_fields,
+         fields(field("bias", &Params::bias, -1, 1, "m", "offset", "Paper 2000, 3"),
+                field("enabled", &Params::enabled, "whether"), field("mode", &Params::mode, "near|far", "which")));
 
 std::string error_of(const ParameterText& text) {
     try {
@@ -53,14 +54,14 @@ TEST_CASE("parameter errors name the owner, the parameter and what would be righ
     CHECK(error_of({{"bias", ""}}) == "technique 'x': parameter 'bias' is '', but must be a number");
     CHECK(error_of({{"mode", "fra"}}) ==
           "technique 'x': parameter 'mode' is 'fra', but must be one of near, far; did you mean 'far'?");
-    CHECK(error_of({{"enabled", "maybe"}}) == "technique 'x': parameter 'enabled' is 'maybe', but must be true or false");
+    CHECK(error_of({{"enabled", "maybe"}}) ==
+          "technique 'x': parameter 'enabled' is 'maybe', but must be true or false");
 }
 
 TEST_CASE("parameters as JSON carry values as the user wrote them, defaults included") {
     std::vector<ParameterInfo> table;
     for (const BoundParameter& row : bind<Params>(all_fields)) table.push_back(row.info);
-    CHECK(parameters_json(table, {{"size", "512"}}).dump() ==
-          R"({"bias":0.1,"enabled":true,"mode":"far","size":512})");
+    CHECK(parameters_json(table, {{"size", "512"}}).dump() == R"({"bias":0.1,"enabled":true,"mode":"far","size":512})");
     const nlohmann::json rows = parameter_table_json(table);
     CHECK(rows[0]["name"] == "size");
     CHECK(rows[0]["type"] == "integer");
