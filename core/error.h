@@ -1,6 +1,6 @@
 #pragma once
-// What can go wrong because of the user or the machine, as exceptions with one whole sentence each; the command line prints
-// the sentence and exits with the code. Broken invariants of ours are assertions, not errors.
+// What can go wrong because of the user or the machine, as exceptions with one whole sentence each; the command line
+// prints the sentence and exits with the code. Broken invariants of ours are assertions, not errors.
 
 #include <span>
 #include <stdexcept>

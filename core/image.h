@@ -1,6 +1,6 @@
 #pragma once
-// A two-dimensional array of values. Row 0 is the bottom row (window coordinates); image files are flipped once, at the file
-// boundary (core/image_file.h).
+// A two-dimensional array of values. Row 0 is the bottom row (window coordinates); image files are flipped once, at the
+// file boundary (core/image_file.h).
 
 #include <cassert>
 #include <cstddef>
@@ -17,8 +17,7 @@ inline constexpr int max_image_side = 32768;
 // Throws UsageError unless 1 ≤ width, height ≤ max_image_side; `what` names the image in the message.
 void check_image_size(int width, int height, const char* what);
 
-template <class T>
-class Image {
+template <class T> class Image {
 public:
     Image() = default;
     Image(int width, int height, T value = T{}) : width_(width), height_(height) {

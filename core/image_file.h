@@ -1,7 +1,8 @@
 #pragma once
-// Reading and writing EXR and PNG through OpenImageIO. Images are bottom-up in memory and top-down in files: this is the one
-// place that flips them. Files appear whole or not at all (core/atomic_file.h).
+// Reading and writing EXR and PNG through OpenImageIO. Images are bottom-up in memory and top-down in files: this is
+// the one place that flips them. Files appear whole or not at all (core/atomic_file.h).
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <variant>
@@ -35,11 +36,16 @@ struct ChannelImage {
 // ZIP-compressed scan-line EXR, deterministic bytes (no dates). Throws InputError where the file cannot be written.
 void write_exr(const std::string& path, const ChannelImage& image);
 
-// 8-bit PNG of values that are already display-referred sRGB in [0, 1] (rounded to nearest, clamped). `text` goes into tEXt.
+// 8-bit PNG of values that are already display-referred sRGB in [0, 1] (rounded to nearest, clamped). `text` goes into
+// tEXt.
 void write_png(const std::string& path, const Image<vec3>& srgb, const std::map<std::string, std::string>& text = {});
 
-// Any format OpenImageIO reads. Integer formats are scaled to [0, 1]; PNG's sRGB channels stay as stored (not linearised).
-// Throws InputError where the file is missing, not an image, truncated, or larger than max_image_side.
+// The bytes of a PNG file, in colour as above or in grey, compressed as well as PNG can.
+std::string encode_png(const Image<vec3>& srgb);
+std::string encode_png(const Image<std::uint8_t>& gray);
+
+// Any format OpenImageIO reads. Integer formats are scaled to [0, 1]; PNG's sRGB channels stay as stored (not
+// linearised). Throws InputError where the file is missing, not an image, truncated, or larger than max_image_side.
 ChannelImage read_image(const std::string& path);
 
 // The sRGB transfer function (IEC 61966-2-1), on one value: linear in [0, 1] to display-referred, and back.

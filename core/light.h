@@ -1,9 +1,11 @@
 #pragma once
-// Lights: punctual ones as in KHR_lights_punctual, and area lights. A hard-shadow technique sees an area light as a point at
-// `position`, its centre. Area lights emit on the side that `direction` points to; a sphere emits everywhere.
+// Lights: punctual ones as in KHR_lights_punctual, and area lights. A hard-shadow technique sees an area light as a
+// point at `position`, its centre. Area lights emit on the side that `direction` points to; a sphere emits everywhere.
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/image.h"
 #include "core/math.h"
@@ -15,15 +17,15 @@ enum class LightType : std::uint8_t { Point, Spot, Directional, Rectangle, Disk,
 struct Light {
     std::string name = "light";
     LightType type = LightType::Point;
-    vec3 position{0.0f};              // metres; the centre of an area light; unused by Directional
+    vec3 position{0.0f};               // metres; the centre of an area light; unused by Directional
     vec3 direction{0.0f, -1.0f, 0.0f}; // unit, the way the light shines; unused by Point and Sphere
     vec3 tangent{1.0f, 0.0f, 0.0f};    // unit, orthogonal to direction: the axis of size.x; the other is bitangent()
-    vec2 size{0.0f};                   // metres: width and height of a rectangle; the diameter twice for a disk or sphere
-    vec3 intensity{1.0f};              // point, spot: W/sr; directional: W/m²; area: radiance W/(m² sr)
-    float inner_cone = 0.0f;           // radians from the axis, spot only: full intensity inside
-    float outer_cone = 0.7853982f;     // radians from the axis, spot only: none outside
-    float range = infinity;            // metres, KHR_lights_punctual's smooth cut-off; point and spot only
-    Image<vec3> texture;               // linear radiance factor of a TexturedRectangle; row 0 at −bitangent
+    vec2 size{0.0f};               // metres: width and height of a rectangle; the diameter twice for a disk or sphere
+    vec3 intensity{1.0f};          // point, spot: W/sr; directional: W/m²; area: radiance W/(m² sr)
+    float inner_cone = 0.0f;       // radians from the axis, spot only: full intensity inside
+    float outer_cone = 0.7853982f; // radians from the axis, spot only: none outside
+    float range = infinity;        // metres, KHR_lights_punctual's smooth cut-off; point and spot only
+    Image<vec3> texture;           // linear radiance factor of a TexturedRectangle; row 0 at −bitangent
 };
 
 bool is_area(LightType type);
@@ -33,10 +35,13 @@ const char* light_type_name(LightType type); // "point", "spot", … "textured-r
 // Set of light types, for what a technique supports.
 using LightTypes = std::uint32_t;
 constexpr LightTypes bit(LightType type) { return LightTypes{1} << static_cast<int>(type); }
-inline constexpr LightTypes punctual_lights = bit(LightType::Point) | bit(LightType::Spot) | bit(LightType::Directional);
-inline constexpr LightTypes area_lights = bit(LightType::Rectangle) | bit(LightType::Disk) | bit(LightType::Sphere) |
-                                          bit(LightType::TexturedRectangle);
+inline constexpr LightTypes punctual_lights =
+    bit(LightType::Point) | bit(LightType::Spot) | bit(LightType::Directional);
+inline constexpr LightTypes area_lights =
+    bit(LightType::Rectangle) | bit(LightType::Disk) | bit(LightType::Sphere) | bit(LightType::TexturedRectangle);
 inline constexpr LightTypes all_lights = punctual_lights | area_lights;
+
+std::vector<std::string> light_type_names(LightTypes types); // in the order of the enumerators
 
 inline vec3 bitangent(const Light& light) { return glm::cross(light.direction, light.tangent); }
 
@@ -46,16 +51,19 @@ vec3 any_tangent(vec3 n);
 // Metres²: the one-sided surface of a rectangle or disk, the whole surface of a sphere, 0 for punctual lights.
 float surface_area(const Light& light);
 
-// The point of the light for (u, v) in [0,1)²: area-preserving on rectangle and disk (concentric map, Shirley and Chiu 1997).
-// A sphere is sampled as the disk that faces `receiver`, through its centre, with the sphere's limb as seen from there:
-// radius r·sqrt(1 − r²/d²) at the limb plane [Forest 2008, 2.0.6]. Punctual lights return `position`.
+// The point of the light for (u, v) in [0,1)²: area-preserving on rectangle and disk (concentric map, Shirley and Chiu
+// 1997). A sphere is sampled as the disk that faces `receiver`, through its centre, with the sphere's limb as seen from
+// there: radius r·sqrt(1 − r²/d²) at the limb plane [Forest 2008, 2.0.6]. Punctual lights return `position`.
 vec3 light_point(const Light& light, float u, float v, vec3 receiver);
+// The same for arrays of (u, v), bit for bit, into arrays of coordinates of the same length.
+void light_points(const Light& light, vec3 receiver, std::span<const float> u, std::span<const float> v,
+                  std::span<float> x, std::span<float> y, std::span<float> z);
 
 // Unit vector from `p` to the light's centre, or against the direction of a directional light.
 vec3 direction_to_light(const Light& light, vec3 p);
 
-// Unshadowed irradiance W/m² at p with unit normal n. Area lights: midpoint quadrature over 8×8 cells of light_point, horizon
-// included, so that every shape is treated alike.
+// Unshadowed irradiance W/m² at p with unit normal n. Area lights: midpoint quadrature over 8×8 cells of light_point,
+// horizon included, so that every shape is treated alike.
 vec3 unshadowed_irradiance(const Light& light, vec3 p, vec3 n);
 
 } // namespace gnomon

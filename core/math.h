@@ -40,4 +40,11 @@ struct Bounds {
     }
 };
 
+// matrix · (p, w) in the one documented order of float operations: ((m0·x + m1·y) + (m2·z + m3·w)) per row. Every
+// program that must meet another program's vertices bit for bit goes through this.
+inline vec4 transform(const mat4& m, vec3 p, float w = 1.0f) {
+    const auto row = [&](int i) { return (m[0][i] * p.x + m[1][i] * p.y) + (m[2][i] * p.z + m[3][i] * w); };
+    return {row(0), row(1), row(2), row(3)};
+}
+
 } // namespace gnomon

@@ -13,18 +13,23 @@ namespace gnomon {
 
 const char* parameter_type_name(ParameterType type) {
     switch (type) {
-    case ParameterType::Integer: return "integer";
-    case ParameterType::Real: return "real";
-    case ParameterType::Boolean: return "boolean";
-    case ParameterType::Choice: return "choice";
+    case ParameterType::Integer:
+        return "integer";
+    case ParameterType::Real:
+        return "real";
+    case ParameterType::Boolean:
+        return "boolean";
+    case ParameterType::Choice:
+        return "choice";
     }
     return "";
 }
 
 namespace detail {
 
-ParameterInfo make_info(std::string_view name, ParameterType type, double minimum, double maximum, std::string_view unit,
-                        std::string_view help, std::string_view source, std::string_view choices) {
+ParameterInfo make_info(std::string_view name, ParameterType type, double minimum, double maximum,
+                        std::string_view unit, std::string_view help, std::string_view source,
+                        std::string_view choices) {
     ParameterInfo info;
     info.name = name;
     info.type = type;
@@ -43,10 +48,14 @@ ParameterInfo make_info(std::string_view name, ParameterType type, double minimu
 
 std::string to_text(const ParameterInfo& info, double value) {
     switch (info.type) {
-    case ParameterType::Integer: return fmt::format("{}", static_cast<long long>(value));
-    case ParameterType::Real: return fmt::format("{}", static_cast<float>(value)); // shortest text that reads back
-    case ParameterType::Boolean: return value != 0 ? "true" : "false";
-    case ParameterType::Choice: return info.choices.at(static_cast<size_t>(value));
+    case ParameterType::Integer:
+        return fmt::format("{}", static_cast<long long>(value));
+    case ParameterType::Real:
+        return fmt::format("{}", static_cast<float>(value)); // shortest text that reads back
+    case ParameterType::Boolean:
+        return value != 0 ? "true" : "false";
+    case ParameterType::Choice:
+        return info.choices.at(static_cast<size_t>(value));
     }
     return "";
 }
@@ -94,11 +103,15 @@ void check_value(const ParameterInfo& info, const std::string& text, const std::
 nlohmann::json typed_json(const ParameterInfo& info, const std::string& text) {
     const double value = detail::to_value(info, text);
     switch (info.type) {
-    case ParameterType::Integer: return static_cast<long long>(value);
+    case ParameterType::Integer:
+        return static_cast<long long>(value);
     // Through the shortest text, so that 0.1f is written 0.1 and not 0.10000000149.
-    case ParameterType::Real: return std::stod(fmt::format("{}", static_cast<float>(value)));
-    case ParameterType::Boolean: return value != 0;
-    case ParameterType::Choice: return text;
+    case ParameterType::Real:
+        return std::stod(fmt::format("{}", static_cast<float>(value)));
+    case ParameterType::Boolean:
+        return value != 0;
+    case ParameterType::Choice:
+        return text;
     }
     return nullptr;
 }
@@ -116,9 +129,8 @@ void set_parameters(std::span<const BoundParameter> table, void* params, const P
         if (row == table.end()) {
             std::vector<std::string> names;
             for (const BoundParameter& p : table) names.push_back(p.info.name);
-            throw UsageError(
-                fmt::format("{} has no parameter '{}'{}", owner, name,
-                            names.empty() ? "; it takes none" : did_you_mean(name, names)));
+            throw UsageError(fmt::format("{} has no parameter '{}'{}", owner, name,
+                                         names.empty() ? "; it takes none" : did_you_mean(name, names)));
         }
         check_value(row->info, value, owner);
         row->set(params, value);
@@ -137,9 +149,9 @@ nlohmann::json parameters_json(std::span<const ParameterInfo> table, const Param
 nlohmann::json parameter_table_json(std::span<const ParameterInfo> table) {
     nlohmann::json rows = nlohmann::json::array();
     for (const ParameterInfo& info : table) {
-        nlohmann::json row = {{"name", info.name},   {"type", parameter_type_name(info.type)},
-                              {"min", nullptr},      {"max", nullptr},
-                              {"unit", info.unit},   {"help", info.help},
+        nlohmann::json row = {{"name", info.name},    {"type", parameter_type_name(info.type)},
+                              {"min", nullptr},       {"max", nullptr},
+                              {"unit", info.unit},    {"help", info.help},
                               {"source", info.source}};
         row["default"] = typed_json(info, info.default_text);
         if (has_range(info)) row["min"] = info.minimum, row["max"] = info.maximum;

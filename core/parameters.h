@@ -1,7 +1,7 @@
 #pragma once
-// One table per technique (or builtin scene): the struct's defaults are the only defaults, and the table is the only place that
-// knows names, ranges, units and help. The command line, `gnomon help`, JSON, range errors, EXR metadata and study grids are all
-// made from it.
+// One table per technique (or builtin scene): the struct's defaults are the only defaults, and the table is the only
+// place that knows names, ranges, units and help. The command line, `gnomon help`, JSON, range errors, EXR metadata and
+// study grids are all made from it.
 //
 //   struct PcfParams : ShadowMapParams { int kernel = 15; };
 //   constexpr auto pcf_fields = join(shadow_map_fields, fields(
@@ -38,8 +38,7 @@ struct ParameterInfo {
 };
 
 // One row of the table. T is int, float, bool or an enum whose enumerators count from 0 in the order of `choices`.
-template <class Params, class T>
-struct Field {
+template <class Params, class T> struct Field {
     std::string_view name;
     T Params::*member;
     double minimum, maximum;
@@ -47,7 +46,7 @@ struct Field {
 };
 
 template <class P, class T>
-    requires std::is_arithmetic_v<T>
+requires std::is_arithmetic_v<T>
 constexpr Field<P, T> field(std::string_view name, T P::*member, double minimum, double maximum, std::string_view unit,
                             std::string_view help, std::string_view source = "") {
     return {name, member, minimum, maximum, unit, help, source, ""};
@@ -60,21 +59,15 @@ constexpr Field<P, bool> field(std::string_view name, bool P::*member, std::stri
 }
 
 template <class P, class T>
-    requires std::is_enum_v<T>
+requires std::is_enum_v<T>
 constexpr Field<P, T> field(std::string_view name, T P::*member, std::string_view choices, std::string_view help,
                             std::string_view source = "") {
     return {name, member, 0, 0, "", help, source, choices};
 }
 
-template <class... Fields>
-constexpr auto fields(Fields... rows) {
-    return std::make_tuple(rows...);
-}
+template <class... Fields> constexpr auto fields(Fields... rows) { return std::make_tuple(rows...); }
 
-template <class... Tables>
-constexpr auto join(Tables... tables) {
-    return std::tuple_cat(tables...);
-}
+template <class... Tables> constexpr auto join(Tables... tables) { return std::tuple_cat(tables...); }
 
 // A table bound to its struct, without its type: name, get and set as text.
 struct BoundParameter {
@@ -84,24 +77,24 @@ struct BoundParameter {
 };
 
 namespace detail {
-ParameterInfo make_info(std::string_view name, ParameterType type, double minimum, double maximum, std::string_view unit,
-                        std::string_view help, std::string_view source, std::string_view choices);
+ParameterInfo make_info(std::string_view name, ParameterType type, double minimum, double maximum,
+                        std::string_view unit, std::string_view help, std::string_view source,
+                        std::string_view choices);
 std::string to_text(const ParameterInfo& info, double value);
 double to_value(const ParameterInfo& info, const std::string& text);
 } // namespace detail
 
-template <class Params, class Table>
-std::vector<BoundParameter> bind(const Table& table) {
+template <class Params, class Table> std::vector<BoundParameter> bind(const Table& table) {
     std::vector<BoundParameter> bound;
     const Params defaults{};
     const auto add = [&]<class P, class T>(const Field<P, T>& row) {
-        constexpr ParameterType type = std::is_same_v<T, bool>     ? ParameterType::Boolean
-                                       : std::is_enum_v<T>         ? ParameterType::Choice
-                                       : std::is_integral_v<T>     ? ParameterType::Integer
-                                                                   : ParameterType::Real;
+        constexpr ParameterType type = std::is_same_v<T, bool> ? ParameterType::Boolean
+                                       : std::is_enum_v<T>     ? ParameterType::Choice
+                                       : std::is_integral_v<T> ? ParameterType::Integer
+                                                               : ParameterType::Real;
         BoundParameter parameter;
-        parameter.info = detail::make_info(row.name, type, row.minimum, row.maximum, row.unit, row.help, row.source,
-                                           row.choices);
+        parameter.info =
+            detail::make_info(row.name, type, row.minimum, row.maximum, row.unit, row.help, row.source, row.choices);
         const auto member = row.member;
         parameter.get = [info = parameter.info, member](const void* params) {
             return detail::to_text(info, static_cast<double>(static_cast<const Params*>(params)->*member));
@@ -116,8 +109,8 @@ std::vector<BoundParameter> bind(const Table& table) {
     return bound;
 }
 
-// Sets the named members of `params`; the others keep their values. Throws UsageError naming `owner` ("technique 'pcf'"), the
-// parameter and the nearest known name, or the range, or the choices.
+// Sets the named members of `params`; the others keep their values. Throws UsageError naming `owner` ("technique
+// 'pcf'"), the parameter and the nearest known name, or the range, or the choices.
 void set_parameters(std::span<const BoundParameter> table, void* params, const ParameterText& text,
                     const std::string& owner);
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/image.h"
+#include "core/light.h"
 #include "core/math.h"
 
 namespace gnomon {
@@ -20,10 +21,16 @@ struct Receiver {
 
 using Receivers = Image<Receiver>;
 
-// Whether light from `point` can fall on the receiver's visible side at all. The terminator of every technique and of the truth is
-// this same test on the same numbers.
+// Whether light from `point` can fall on the receiver's visible side at all. The terminator of every technique and of
+// the truth is this same test on the same numbers.
 inline bool faces(const Receiver& receiver, vec3 point) {
     return glm::dot(receiver.geometric_normal, point - receiver.position) > 0.0f;
+}
+
+// The same for a light seen as a point at its centre, or as a direction.
+inline bool faces_light(const Receiver& receiver, const Light& light) {
+    if (light.type == LightType::Directional) return glm::dot(receiver.geometric_normal, light.direction) < 0.0f;
+    return faces(receiver, light.position);
 }
 
 } // namespace gnomon

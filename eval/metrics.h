@@ -1,9 +1,10 @@
 #pragma once
-// Numbers that say how far a test image is from a reference. Each metric is one row of `metrics()`: name, formula, range, source
-// and what it is blind to. Pixels outside the mask, and pixels where either image is not finite, are left out; the latter are
-// counted.
+// Numbers that say how far a test image is from a reference. Each metric is one row of `metrics()`: name, formula,
+// range, source and what it is blind to. Pixels outside the mask, and pixels where either image is not finite, are left
+// out; the latter are counted.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,11 +25,18 @@ struct Metric {
     std::string formula, range, source, blind_to;
     bool lower_is_better = true;
     double (*evaluate)(const ImagePair& pair); // NaN where it does not apply (no pixels)
+    // How the values of several channels make one, each weighted by its pixels: RMSE over R, G, B is the root of the
+    // mean of their squares, not the mean of their roots.
+    enum class Pooling { Mean, RootMeanSquare, Decibel, Largest } pooling = Pooling::Mean;
+    bool visibility_only = false; // means nothing on colours
 };
 
 // All metrics, in the order they are listed: mae, mse, rmse, psnr, max, ssim, …
 const std::vector<Metric>& metrics();
 const Metric* find_metric(const std::string& id);
+
+// One value of several channels', `weights[i]` pixels each; channels where the metric is NaN are left out.
+double pool(const Metric& metric, std::span<const double> values, std::span<const double> weights);
 
 // Pixels inside the mask where one of the images is not finite.
 std::int64_t count_missing(const ImagePair& pair);

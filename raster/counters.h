@@ -13,10 +13,10 @@ namespace gnomon {
 struct PassCounters {
     std::string name;
     std::int64_t draws = 0;
-    std::int64_t vertices = 0;  // vertex program invocations
-    std::int64_t triangles = 0; // submitted
-    std::int64_t clipped = 0;   // triangles that met a clip plane and were cut
-    std::int64_t culled = 0;    // triangles dropped: facing, zero area, outside, or between sample positions
+    std::int64_t vertices = 0;          // vertex program invocations
+    std::int64_t triangles = 0;         // submitted
+    std::int64_t clipped = 0;           // triangles that met a clip plane and were cut
+    std::int64_t culled = 0;            // triangles dropped: facing, zero area, outside, or between sample positions
     std::int64_t fragments_covered = 0; // inside the triangle and the scissor
     std::int64_t fragments_passed = 0;  // passed depth, stencil and discard
     std::int64_t fragments_shaded = 0;  // fragment program invocations, helpers left out
@@ -34,7 +34,8 @@ public:
     void allocate(std::int64_t bytes) {
         const std::int64_t now = now_ += bytes;
         std::int64_t peak = peak_.load();
-        while (now > peak && !peak_.compare_exchange_weak(peak, now)) {}
+        while (now > peak && !peak_.compare_exchange_weak(peak, now)) {
+        }
     }
     void release(std::int64_t bytes) { now_ -= bytes; }
     std::int64_t peak() const { return peak_; }
@@ -56,9 +57,7 @@ public:
         counters_ = &log.passes.emplace_back();
         counters_->name = std::move(name);
     }
-    ~Pass() {
-        counters_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
+    ~Pass() { counters_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
     Pass(const Pass&) = delete;
     Pass& operator=(const Pass&) = delete;
 

@@ -1,7 +1,9 @@
 #pragma once
-// The scene as Embree sees it: one triangle mesh of the very same float32 vertices that the rasterizer draws, robust traversal,
-// high build quality. Answers whether a receiver sees a point, and what a camera ray meets first.
+// The scene as Embree sees it: one triangle mesh of the very same float32 vertices that the rasterizer draws, robust
+// traversal, high build quality. Answers whether a receiver sees a point, and what a camera ray meets first. Triangles
+// of objects that are light sources are seen by camera rays and never cast shadows.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -22,14 +24,21 @@ public:
         std::uint32_t triangle = no_triangle;
         float distance = 0; // metres along the unit direction
     };
+    // Of triangles at exactly the same distance (a shared edge) the one of the lowest index.
     Hit first_hit(vec3 origin, vec3 direction, float near_distance, float far_distance) const;
 
-    // 1 where the receiver sees the target point, 0 where not, for up to 16 targets of one receiver. Targets below the horizon of
-    // the geometric normal are not seen. Self-hits are excluded by construction: the origin is offset along the normal by a
-    // step scaled with the magnitude of the coordinates, and the receiver's own triangle is never an occluder.
+    // 1 where the receiver sees the target point, 0 where not, for up to 16 targets of one receiver. Targets below the
+    // horizon of the geometric normal are not seen. Self-hits are excluded by construction: the origin is offset along
+    // the normal by a step scaled with the magnitude of the coordinates, and the receiver's own triangle is never an
+    // occluder.
     void visible(const Receiver& receiver, std::span<const vec3> targets, std::span<std::uint8_t> seen) const;
     // The same for a direction with no end (directional lights).
     bool visible_direction(const Receiver& receiver, vec3 unit_direction) const;
+
+    // How many of any number of targets, given as three arrays of coordinates, the receiver sees: what `visible`
+    // answers, summed. Sixteen neighbours in the arrays share a packet, so targets that lie close together cost less.
+    std::size_t count_visible(const Receiver& receiver, std::span<const float> x, std::span<const float> y,
+                              std::span<const float> z) const;
 
     // Bytes that Embree holds.
     std::size_t memory_bytes() const;

@@ -5,6 +5,12 @@
 
 namespace gnomon {
 
+Entry sm_entry();
+Entry pcf_entry();
+Entry vsm_entry();
+Entry pcss_entry();
+Entry sv_zpass_entry();
+Entry sv_zfail_entry();
 Entry raytraced_entry();
 Entry truth_entry();
 

@@ -8,8 +8,8 @@ namespace gnomon {
 
 std::span<const Entry> techniques() {
     static const std::vector<Entry> entries = {
-        raytraced_entry(),
-        truth_entry(),
+        sm_entry(),       pcf_entry(),      vsm_entry(),       pcss_entry(),
+        sv_zpass_entry(), sv_zfail_entry(), raytraced_entry(), truth_entry(),
     };
     return entries;
 }
@@ -26,23 +26,26 @@ const Entry& find_technique(const std::string& id) {
 
 const char* technique_kind_name(TechniqueKind kind) {
     switch (kind) {
-    case TechniqueKind::Hard: return "hard";
-    case TechniqueKind::Filtered: return "filtered";
-    case TechniqueKind::Soft: return "soft";
-    case TechniqueKind::Accurate: return "accurate";
+    case TechniqueKind::Hard:
+        return "hard";
+    case TechniqueKind::Filtered:
+        return "filtered";
+    case TechniqueKind::Soft:
+        return "soft";
+    case TechniqueKind::Accurate:
+        return "accurate";
     }
     return "";
 }
 
-Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light) {
-    if (!(entry.info.lights & bit(light.type))) {
-        std::vector<std::string> supported;
-        for (int i = 0; i <= static_cast<int>(LightType::TexturedRectangle); ++i)
-            if (const auto type = static_cast<LightType>(i); entry.info.lights & bit(type))
-                supported.emplace_back(light_type_name(type));
+void check_support(const Entry& entry, const Light& light) {
+    if (!(entry.info.lights & bit(light.type)))
         throw UsageError(fmt::format("technique '{}' does not support the {} light '{}'; it supports {}", entry.info.id,
-                                     light_type_name(light.type), light.name, fmt::join(supported, ", ")));
-    }
+                                     light_type_name(light.type), light.name, fmt::join(light_type_names(entry.info.lights), ", ")));
+}
+
+Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light) {
+    check_support(entry, light);
     return technique.shade(frame, light);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a shadow technique is, and how the program knows about it. One file a technique; one table of parameters; one line in
-// registry.cpp. docs/adding-a-technique.md shows it step by step.
+// What a shadow technique is, and how the program knows about it. One file a technique; one table of parameters; one
+// line in registry.cpp. docs/adding-a-technique.md shows it step by step.
 
 #include <functional>
 #include <memory>
@@ -44,7 +44,7 @@ struct TechniqueInfo {
     std::string title;  // "percentage-closer filtering"
     std::string family; // "shadow map", "shadow volume", "ray tracing", …
     TechniqueKind kind = TechniqueKind::Hard;
-    std::string paper;  // "Reeves, Salesin, Cook 1987; Macedo 2018, 2.18"
+    std::string paper; // "Reeves, Salesin, Cook 1987; Macedo 2018, 2.18"
     LightTypes lights = all_lights;
 };
 
@@ -55,8 +55,7 @@ struct Entry {
 };
 
 // The entry of technique class T, constructed from its Params, which come from its table of fields.
-template <class T, class Params, class Table>
-Entry make_entry(TechniqueInfo info, const Table& table) {
+template <class T, class Params, class Table> Entry make_entry(TechniqueInfo info, const Table& table) {
     Entry entry;
     for (const BoundParameter& parameter : bind<Params>(table)) entry.parameters.push_back(parameter.info);
     entry.make = [table, owner = "technique '" + info.id + "'"](const ParameterText& text) {
@@ -71,6 +70,9 @@ std::span<const Entry> techniques();
 
 // Throws UsageError with the nearest known id.
 const Entry& find_technique(const std::string& id);
+
+// Throws UsageError naming what is supported where the light's type is not.
+void check_support(const Entry& entry, const Light& light);
 
 // Checks that the light's type is among those supported, then shades. Throws UsageError naming what is supported.
 Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light);

@@ -1,5 +1,6 @@
 #pragma once
-// What tests share: the folder of real meshes, visible skipping, a folder for files, and the command line run as a user would.
+// What tests share: the folder of real meshes, visible skipping, a folder for files, and the command line run as a user
+// would.
 
 #include <string>
 #include <vector>

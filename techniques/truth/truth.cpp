@@ -1,4 +1,5 @@
-// The truth for area lights: the fraction of N points of the light that each receiver sees. [Macedo 2018, 2.28; Forest 2008, 2.2]
+// The truth for area lights: the fraction of N points of the light that each receiver sees. [Macedo 2018, 2.28; Forest
+// 2008, 2.2]
 
 #include "raytrace/truth.h"
 #include "techniques/all.h"

@@ -1,0 +1,191 @@
+// From a request to files: load, G-buffer, then technique by technique, each written as soon as it is done.
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "bin/layers.h"
+#include "bin/report.h"
+#include "bin/stats.h"
+#include "bin/text.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+
+namespace gnomon {
+namespace {
+
+// What all techniques of a run share.
+struct Session {
+    const RenderRequest& request;
+    const Stage& stage;
+    Frame& frame;
+    RunStats& stats;
+    Image<vec3> base;                    // radiance without direct light
+    std::vector<Image<vec3>> unshadowed; // direct light, one image a light
+    float exposure = 1;
+};
+
+class Step {
+public:
+    Step(RunStats& stats, std::string name) : stats_(stats), name_(std::move(name)) {}
+    ~Step() { stats_.steps.push_back({name_, watch_.seconds()}); }
+    Step(const Step&) = delete;
+    Step& operator=(const Step&) = delete;
+
+private:
+    RunStats& stats_;
+    std::string name_;
+    Stopwatch watch_;
+};
+
+// Leaves out techniques of `-t all` that do not take one of the lights; for others that is an error.
+std::vector<TechniqueRequest> supported(const RenderRequest& request, const std::vector<Light>& lights) {
+    std::vector<TechniqueRequest> kept;
+    for (const TechniqueRequest& technique : request.techniques) {
+        const auto unsupported = std::find_if(lights.begin(), lights.end(), [&](const Light& light) {
+            return !(technique.entry->info.lights & bit(light.type));
+        });
+        if (unsupported == lights.end())
+            kept.push_back(technique);
+        else if (!technique.from_all)
+            check_support(*technique.entry, *unsupported);
+        else if (!request.scene.quiet)
+            print_message(fmt::format("note: skipped '{}', which does not support the {} light '{}'",
+                                      technique.entry->info.id, light_type_name(unsupported->type), unsupported->name));
+    }
+    if (kept.empty()) throw UsageError("no technique is left that supports the light");
+    return kept;
+}
+
+void prepare_shading(Session& session) {
+    const Step step(session.stats, "unshadowed image");
+    const GBuffer& gbuffer = session.frame.gbuffer();
+    session.base = ambient_and_emission(gbuffer, session.request.ambient);
+    const Image<float> lit(session.frame.width(), session.frame.height(), 1.0f);
+    Image<vec3> all_lit = session.base;
+    for (const Light& light : session.stage.lights) {
+        Image<vec3> direct(session.frame.width(), session.frame.height(), vec3(0.0f));
+        add_direct_light(direct, gbuffer, light, lit);
+        for (size_t i = 0; i < direct.size(); ++i) all_lit.values()[i] += direct.values()[i];
+        session.unshadowed.push_back(std::move(direct));
+    }
+    session.exposure = session.request.exposure_stops ? std::exp2(*session.request.exposure_stops)
+                                                      : automatic_exposure(gbuffer, all_lit);
+    session.stats.exposure = session.exposure;
+}
+
+LitImage shade_light(Session& session, const TechniqueRequest& technique, const std::string& label,
+                     const Light& light) {
+    Frame& frame = session.frame;
+    frame.begin_technique();
+    Progress progress(label, frame.height(), session.request.progress);
+    frame.progress = &progress;
+    const double shared_before = frame.adjacency_seconds() + frame.rays_seconds();
+    const Stopwatch watch;
+    LitImage image{light.name,
+                   run_technique(*technique.entry, *technique.entry->make(technique.parameters), frame, light)};
+    const double shared = frame.adjacency_seconds() + frame.rays_seconds() - shared_before;
+    progress.advance(frame.height()); // most techniques do not report by rows
+    frame.progress = nullptr;
+    session.stats.techniques.push_back({label, technique.entry->info.id, light.name,
+                                        parameters_json(technique.entry->parameters, technique.parameters),
+                                        watch.seconds() - shared, frame.log()});
+    return image;
+}
+
+void add_light(Image<vec3>& radiance, const Image<vec3>& unshadowed, const Visibility& visibility) {
+    parallel_for(radiance.size(), 1 << 14, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i)
+            radiance.values()[i] += visibility.radiance ? visibility.radiance->values()[i]
+                                                        : unshadowed.values()[i] * visibility.values.values()[i];
+    });
+}
+
+Rendered render_technique(Session& session, const TechniqueRequest& technique, const OutputFiles& files) {
+    Rendered rendered{technique, files, session.base, {}, session.stats.techniques.size()};
+    double seconds = 0;
+    for (size_t i = 0; i < session.stage.lights.size(); ++i) {
+        rendered.images.push_back(shade_light(session, technique, files.label, session.stage.lights[i]));
+        add_light(rendered.radiance, session.unshadowed[i], rendered.images.back().visibility);
+        seconds += session.stats.techniques.back().seconds;
+    }
+    session.stats.steps.push_back({"technique " + files.label, seconds});
+    return rendered;
+}
+
+std::map<std::string, Attribute> make_attributes(const Session& session, const TechniqueRequest& technique) {
+    std::string lights;
+    for (const Light& light : session.stage.lights) lights += (lights.empty() ? "" : ", ") + light.name;
+    const nlohmann::json parameters = parameters_json(technique.entry->parameters, technique.parameters);
+    const Camera& camera = session.stage.camera;
+    const dmat4 view = view_matrix(camera);
+    const double aspect = static_cast<double>(session.frame.width()) / session.frame.height();
+    return {{"gnomon:version", GNOMON_VERSION},
+            {"gnomon:scene", session.stage.scene.name},
+            {"gnomon:camera", camera.name},
+            {"gnomon:light", lights},
+            {"gnomon:technique", technique.entry->info.id},
+            {"gnomon:parameters", parameters.dump()},
+            {"samplesPerPixel", parameters.contains("samples") ? parameters["samples"].get<int>() : 1},
+            {"worldToCamera", mat4(view)},
+            {"worldToNDC", mat4(projection_matrix(camera, aspect) * view)}};
+}
+
+void write_images(Session& session, const Rendered& rendered) {
+    const Step step(session.stats, "write " + rendered.files.label);
+    const std::map<std::string, Attribute> attributes = make_attributes(session, rendered.technique);
+    const OutputFiles& files = rendered.files;
+    const std::string& any_path = files.exr.empty() ? files.png : files.exr;
+    if (!files.exr.empty())
+        write_exr(files.exr, make_layers(session.request, session.frame, session.stage.lights, rendered.radiance,
+                                         rendered.images, attributes));
+    if (session.request.debug_images) write_debug_images(any_path, session.frame, rendered.images, attributes);
+    if (files.png.empty()) return;
+    std::map<std::string, std::string> text;
+    for (const auto& [name, value] : attributes)
+        if (const auto* sentence = std::get_if<std::string>(&value)) text[name] = *sentence;
+    write_exposed_png(files.png, rendered.radiance, session.exposure, text);
+}
+
+void render_all(Session& session, const std::vector<TechniqueRequest>& techniques) {
+    std::vector<std::string> ids;
+    for (const TechniqueRequest& technique : techniques) ids.push_back(technique.entry->info.id);
+    const std::vector<OutputFiles> plan = plan_outputs(session.request.output, ids);
+    make_folders(plan);
+    for (size_t i = 0; i < techniques.size(); ++i)
+        write_images(session, render_technique(session, techniques[i], plan[i]));
+}
+
+void run(const RenderRequest& request) {
+    RunStats stats;
+    Stopwatch watch;
+    const Stage stage = load_stage(request.scene);
+    stats.steps.push_back({"load scene", watch.seconds()});
+    const std::vector<TechniqueRequest> techniques = supported(request, stage.lights);
+
+    watch = {};
+    Frame frame(stage.scene, stage.camera, request.size.x, request.size.y, request.primary);
+    // With --primary ray the frame builds Embree's structures for itself.
+    stats.gbuffer_seconds = watch.seconds() - frame.rays_seconds();
+    stats.gbuffer = frame.gbuffer_log();
+    stats.steps.push_back({"gbuffer", stats.gbuffer_seconds});
+    stats.scene = stage.scene.name, stats.camera = stage.camera.name;
+    stats.triangles = stage.scene.triangles.size(), stats.vertices = stage.scene.positions.size();
+    stats.objects = stage.scene.objects.size();
+    stats.width = request.size.x, stats.height = request.size.y;
+
+    Session session{request, stage, frame, stats, {}, {}};
+    prepare_shading(session);
+    render_all(session, techniques);
+    stats.steps.push_back({"adjacency", frame.adjacency_seconds()});
+    stats.steps.push_back({"embree", frame.rays_seconds()});
+    if (!request.stats.empty()) write_json(request.stats, stats_json(stats));
+}
+
+} // namespace
+
+void run_render(const RenderRequest& request) {
+    with_threads(request.threads, [&] { run(request); });
+}
+
+} // namespace gnomon

@@ -1,0 +1,207 @@
+#pragma once
+// A pass is geometry × pipeline state × programs × targets. Programs are callables:
+//
+//   vertex program     (std::uint32_t vertex) -> Vertex<Varyings>       or -> vec4, where there are no varyings
+//   fragment program   (const Fragment<Varyings>&, FragmentOutput&)     or depth_only
+//
+// Varyings is a struct of floats. The machinery (set-up, bins, tiles, tests, blending) is compiled once in draw.cpp;
+// programs meet it one 8×8 block at a time. Per pixel, primitives take effect in the order they are submitted.
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "core/math.h"
+#include "core/parallel.h"
+#include "raster/counters.h"
+#include "raster/setup.h"
+#include "raster/state.h"
+#include "raster/target.h"
+
+namespace gnomon {
+
+struct NoVaryings {};
+
+template <class V = NoVaryings> struct Vertex {
+    vec4 position; // clip space
+    V varyings;
+};
+
+// Indexed triangles over vertices [0, vertex_count); each vertex runs through the program once.
+struct Geometry {
+    std::uint32_t vertex_count = 0;
+    std::span<const uvec3> triangles;
+};
+
+template <class V> struct Fragment {
+    ivec2 pixel;
+    float depth;     // window depth, polygon offset included
+    float inverse_w; // 1/w of clip space
+    bool front;
+    std::uint32_t primitive;
+    V varyings;
+    V ddx, ddy; // 2×2-quad differences: along the fragment's row and column; only with FragmentFlags::derivatives
+    PassCounters* counters; // samplers count their texels here
+};
+
+struct FragmentOutput {
+    std::array<vec4, max_color_targets> color{}; // integer targets take the bits (glm::uintBitsToFloat)
+    float depth = 0;                               // read only with FragmentFlags::writes_depth
+    bool discarded = false;
+};
+
+// What a fragment program does besides writing colours; each costs something, so each is asked for.
+struct FragmentFlags {
+    bool discards = false;     // tests wait until it has run
+    bool writes_depth = false; // likewise
+    bool derivatives = false;  // varyings are evaluated for whole 2×2 quads
+};
+
+template <class Program> struct FragmentProgram {
+    Program program;
+    FragmentFlags flags;
+};
+template <class Program> FragmentProgram(Program, FragmentFlags) -> FragmentProgram<Program>;
+
+struct DepthOnly {};
+inline constexpr DepthOnly depth_only{};
+
+namespace detail {
+
+// An 8×8 block of fragments of one triangle, on its way through the fragment program. Bit 8·j + i is pixel (x + i, y +
+// j).
+struct FragmentBlock {
+    const SetupTriangle* triangle;
+    const AttributePlanes* attributes; // null without varyings
+    int x, y;
+    std::uint64_t mask; // in: fragments to shade; out: those not discarded
+    std::array<float, 64> depth;
+    std::array<std::array<vec4, 64>, max_color_targets>* color;
+    PassCounters* counters;
+};
+
+struct Draw {
+    Geometry geometry;
+    int varying_count = 0; // floats per vertex
+    FragmentFlags flags;
+    // Runs the vertex program for [begin, end).
+    std::function<void(std::uint32_t begin, std::uint32_t end, vec4* positions, float* varyings)> vertices;
+    // Runs the fragment program; empty: depth only. `varyings` are those of the draw, `triangles` its indices.
+    std::function<void(FragmentBlock& block, const float* varyings)> fragments;
+};
+
+void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Targets& targets);
+
+// A whole struct of varyings at a pixel, perspective-correct: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float, βi from planes
+// in double.
+template <class V>
+V interpolate(const FragmentBlock& block, const float* v0, const float* v1, const float* v2, int x, int y) {
+    const SetupTriangle& t = *block.triangle;
+    const double w = 1.0 / t.evaluate(block.attributes->inverse_w, x, y);
+    const auto b1 = static_cast<float>(t.evaluate(block.attributes->second, x, y) * w);
+    const auto b2 = static_cast<float>(t.evaluate(block.attributes->third, x, y) * w);
+    constexpr size_t count = sizeof(V) / sizeof(float);
+    std::array<float, count> values;
+    for (size_t i = 0; i < count; ++i) values[i] = (v0[i] + b1 * (v1[i] - v0[i])) + b2 * (v2[i] - v0[i]);
+    return std::bit_cast<V>(values);
+}
+
+template <class V> V difference(const V& a, const V& b) {
+    constexpr size_t count = sizeof(V) / sizeof(float);
+    auto x = std::bit_cast<std::array<float, count>>(a), y = std::bit_cast<std::array<float, count>>(b);
+    for (size_t i = 0; i < count; ++i) x[i] -= y[i];
+    return std::bit_cast<V>(x);
+}
+
+template <class V, class Program>
+void shade_block(FragmentBlock& block, const float* varyings, std::span<const uvec3> triangles, FragmentFlags flags,
+                 int color_count, const Program& program) {
+    constexpr bool has_varyings = !std::is_empty_v<V>;
+    constexpr size_t stride = has_varyings ? sizeof(V) / sizeof(float) : 0;
+    const uvec3 index = triangles[block.triangle->primitive];
+    const auto at = [&]([[maybe_unused]] int x, [[maybe_unused]] int y) -> V {
+        if constexpr (has_varyings)
+            return interpolate<V>(block, varyings + index.x * stride, varyings + index.y * stride,
+                                  varyings + index.z * stride, x, y);
+        else
+            return {};
+    };
+    for (std::uint64_t rest = block.mask; rest; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        const int x = block.x + (bit & 7), y = block.y + (bit >> 3);
+        Fragment<V> fragment{};
+        fragment.pixel = {x, y};
+        fragment.depth = block.depth[static_cast<size_t>(bit)];
+        fragment.front = block.triangle->front;
+        fragment.primitive = block.triangle->primitive;
+        fragment.counters = block.counters;
+        if constexpr (has_varyings) {
+            fragment.inverse_w = static_cast<float>(block.triangle->evaluate(block.attributes->inverse_w, x, y));
+            fragment.varyings = at(x, y);
+            if (flags
+                    .derivatives) { // quads sit on even coordinates; helpers beyond the triangle extrapolate its planes
+                const int left = x & ~1, bottom = y & ~1;
+                fragment.ddx = difference(at(left + 1, y), at(left, y));
+                fragment.ddy = difference(at(x, bottom + 1), at(x, bottom));
+            }
+        }
+        FragmentOutput output; // a target that the program leaves alone gets zeros
+        output.depth = fragment.depth;
+        program(fragment, output);
+        if (output.discarded) block.mask &= ~(std::uint64_t{1} << bit);
+        block.depth[static_cast<size_t>(bit)] = output.depth;
+        for (int c = 0; c < color_count; ++c)
+            (*block.color)[static_cast<size_t>(c)][static_cast<size_t>(bit)] = output.color[static_cast<size_t>(c)];
+    }
+}
+
+template <class Output> struct VaryingsOf { using type = NoVaryings; };
+template <class V> struct VaryingsOf<Vertex<V>> { using type = V; };
+
+} // namespace detail
+
+// Draws into the layer of `targets` that they name. Throws UsageError where targets differ in size.
+template <class VertexProgram, class Program>
+void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, const VertexProgram& vertex_program,
+          const FragmentProgram<Program>& fragment_program, const Targets& targets) {
+    using Output = std::invoke_result_t<VertexProgram, std::uint32_t>;
+    using V = typename detail::VaryingsOf<Output>::type;
+    static_assert(std::is_empty_v<V> || sizeof(V) % sizeof(float) == 0, "varyings are floats");
+    constexpr bool has_varyings = !std::is_empty_v<V>;
+    constexpr bool depth_only_program = std::is_same_v<Program, DepthOnly>;
+    detail::Draw call;
+    call.geometry = geometry;
+    call.varying_count = has_varyings ? static_cast<int>(sizeof(V) / sizeof(float)) : 0;
+    call.flags = fragment_program.flags;
+    call.vertices = [&](std::uint32_t begin, std::uint32_t end, vec4* positions, [[maybe_unused]] float* varyings) {
+        for (std::uint32_t i = begin; i < end; ++i) {
+            if constexpr (std::is_same_v<Output, vec4>) {
+                positions[i] = vertex_program(i);
+            } else {
+                const Output vertex = vertex_program(i);
+                positions[i] = vertex.position;
+                if constexpr (has_varyings)
+                    std::memcpy(varyings + i * (sizeof(V) / sizeof(float)), &vertex.varyings, sizeof(V));
+            }
+        }
+    };
+    if constexpr (!depth_only_program)
+        call.fragments = [&](detail::FragmentBlock& block, const float* varyings) {
+            detail::shade_block<V>(block, varyings, geometry.triangles, fragment_program.flags,
+                                   static_cast<int>(targets.color.size()), fragment_program.program);
+        };
+    detail::execute(pass, call, state, targets);
+}
+
+template <class VertexProgram, class Program>
+void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, const VertexProgram& vertex_program,
+          const Program& fragment_program, const Targets& targets) {
+    draw(pass, geometry, state, vertex_program, FragmentProgram<Program>{fragment_program, {}}, targets);
+}
+
+} // namespace gnomon

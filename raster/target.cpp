@@ -1,0 +1,217 @@
+#include "raster/target.h"
+
+#include <bit>
+#include <cstring>
+#include <new>
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+
+#include "core/image.h"
+#include "core/parallel.h"
+
+namespace gnomon {
+namespace {
+
+using Kind = FormatInfo::Kind;
+constexpr size_t alignment = 4096;
+constexpr size_t huge_page = size_t{2} << 20;
+
+template <class T> T read(const std::byte* bytes, int i) {
+    T value;
+    std::memcpy(&value, bytes + static_cast<size_t>(i) * sizeof(T), sizeof(T));
+    return value;
+}
+
+template <class T> void write(std::byte* bytes, int i, T value) {
+    std::memcpy(bytes + static_cast<size_t>(i) * sizeof(T), &value, sizeof(T));
+}
+
+} // namespace
+
+void Target::Release::operator()(std::byte* bytes) const {
+    ::operator delete[](bytes, std::align_val_t(size >= huge_page ? huge_page : alignment));
+    if (meter) meter->release(static_cast<std::int64_t>(size));
+}
+
+Target::Target(Format format, int width, int height, int layers, std::shared_ptr<MemoryMeter> meter)
+    : format_(format), width_(width), height_(height), layers_(layers),
+      texel_bytes_(static_cast<size_t>(info(format).bytes)) {
+    check_image_size(width, height, "render target");
+    size_ = static_cast<size_t>(width) * static_cast<size_t>(height) * static_cast<size_t>(layers) * texel_bytes_;
+    const bool huge = size_ >= huge_page;
+    auto* bytes = static_cast<std::byte*>(::operator new[](size_, std::align_val_t(huge ? huge_page : alignment)));
+    if (meter) meter->allocate(static_cast<std::int64_t>(size_));
+    bytes_ = {bytes, Release{size_, std::move(meter)}};
+    if (huge) madvise(bytes, size_, MADV_HUGEPAGE);
+    parallel_for(size_, huge_page, [&](size_t begin, size_t end) { std::memset(bytes + begin, 0, end - begin); });
+}
+
+template <class Fill> void Target::fill_rows(Pass& pass, const Fill& fill_texel) {
+    // The first texel is converted once, then copied.
+    std::array<std::byte, 16> value;
+    fill_texel(value.data());
+    const size_t texels = size_ / texel_bytes_;
+    parallel_for(texels, size_t{1} << 18, [&](size_t begin, size_t end) {
+        std::byte* at = bytes_.get() + begin * texel_bytes_;
+        if (texel_bytes_ == 4) {
+            std::uint32_t word;
+            std::memcpy(&word, value.data(), 4);
+            std::fill_n(reinterpret_cast<std::uint32_t*>(at), end - begin, word);
+        } else {
+            for (size_t i = begin; i < end; ++i, at += texel_bytes_) std::memcpy(at, value.data(), texel_bytes_);
+        }
+    });
+    pass.counters().bytes_written += bytes();
+}
+
+namespace {
+
+void store_texel(Format format, std::byte* at, vec4 value, std::uint8_t mask) {
+    const FormatInfo& f = info(format);
+    for (int c = 0; c < f.channels; ++c) {
+        if (!(mask >> c & 1)) continue;
+        const float v = value[c];
+        switch (f.kind) {
+        case Kind::Unorm:
+            if (f.bytes == f.channels)
+                write(at, c, static_cast<std::uint8_t>(unorm_from_float(v, 8)));
+            else
+                write(at, c, static_cast<std::uint16_t>(unorm_from_float(v, 16)));
+            break;
+        case Kind::Half:
+            write(at, c, half_from_float(v));
+            break;
+        case Kind::Float:
+            write(at, c, v);
+            break;
+        default:
+            assert(false && "integer, depth and stencil formats have their own stores");
+        }
+    }
+}
+
+void store_texel_uint(Format format, std::byte* at, glm::uvec4 value, std::uint8_t mask) {
+    const FormatInfo& f = info(format);
+    for (int c = 0; c < f.channels; ++c) {
+        if (!(mask >> c & 1)) continue;
+        switch (format) {
+        case Format::R32UI:
+        case Format::S32:
+            write(at, c, value[c]);
+            break;
+        case Format::RGBA16UI:
+            write(at, c, static_cast<std::uint16_t>(value[c]));
+            break;
+        case Format::S8:
+            write(at, c, static_cast<std::uint8_t>(value[c]));
+            break;
+        default:
+            assert(false && "not an integer format");
+        }
+    }
+}
+
+} // namespace
+
+void Target::clear(Pass& pass, vec4 value) {
+    fill_rows(pass, [&](std::byte* at) { store_texel(format_, at, value, 15); });
+}
+
+void Target::clear_depth(Pass& pass, float depth) {
+    const std::uint32_t key = depth_key(format_, static_cast<double>(depth));
+    fill_rows(pass, [&](std::byte* at) {
+        if (format_ == Format::D16)
+            write(at, 0, static_cast<std::uint16_t>(key));
+        else
+            write(at, 0, key);
+    });
+}
+
+void Target::clear_uint(Pass& pass, std::uint32_t value) {
+    fill_rows(pass, [&](std::byte* at) { store_texel_uint(format_, at, glm::uvec4(value), 15); });
+}
+
+vec4 Target::load(int x, int y, int layer) const {
+    const std::byte* at = texel(x, y, layer);
+    const FormatInfo& f = info(format_);
+    vec4 value(0.0f, 0.0f, 0.0f, 1.0f);
+    for (int c = 0; c < f.channels; ++c) {
+        switch (f.kind) {
+        case Kind::Unorm:
+            value[c] = f.bytes == f.channels ? static_cast<float>(read<std::uint8_t>(at, c)) / 255.0f
+                                             : static_cast<float>(read<std::uint16_t>(at, c)) / 65535.0f;
+            break;
+        case Kind::Half:
+            value[c] = float_from_half(read<std::uint16_t>(at, c));
+            break;
+        case Kind::Float:
+            value[c] = read<float>(at, c);
+            break;
+        case Kind::Depth:
+            value[c] = depth(x, y, layer);
+            break;
+        default:
+            assert(false && "integer and stencil formats go through load_uint");
+        }
+    }
+    return value;
+}
+
+void Target::store(int x, int y, int layer, vec4 value, std::uint8_t mask) {
+    store_texel(format_, texel(x, y, layer), value, mask);
+}
+
+glm::uvec4 Target::load_uint(int x, int y, int layer) const {
+    const std::byte* at = texel(x, y, layer);
+    glm::uvec4 value(0u, 0u, 0u, 1u);
+    for (int c = 0; c < info(format_).channels; ++c) {
+        switch (format_) {
+        case Format::R32UI:
+        case Format::S32:
+            value[c] = read<std::uint32_t>(at, c);
+            break;
+        case Format::RGBA16UI:
+            value[c] = read<std::uint16_t>(at, c);
+            break;
+        case Format::S8:
+            value[c] = read<std::uint8_t>(at, c);
+            break;
+        default:
+            assert(false && "not an integer format");
+        }
+    }
+    return value;
+}
+
+void Target::store_uint(int x, int y, int layer, glm::uvec4 value, std::uint8_t mask) {
+    store_texel_uint(format_, texel(x, y, layer), value, mask);
+}
+
+std::uint32_t Target::load_key(int x, int y, int layer) const {
+    const std::byte* at = texel(x, y, layer);
+    switch (texel_bytes_) {
+    case 1:
+        return read<std::uint8_t>(at, 0);
+    case 2:
+        return read<std::uint16_t>(at, 0);
+    default:
+        return read<std::uint32_t>(at, 0);
+    }
+}
+
+void Target::store_key(int x, int y, int layer, std::uint32_t key) {
+    std::byte* at = texel(x, y, layer);
+    switch (texel_bytes_) {
+    case 1:
+        write(at, 0, static_cast<std::uint8_t>(key));
+        break;
+    case 2:
+        write(at, 0, static_cast<std::uint16_t>(key));
+        break;
+    default:
+        write(at, 0, key);
+    }
+}
+
+} // namespace gnomon

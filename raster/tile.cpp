@@ -1,0 +1,346 @@
+#include "raster/tile.h"
+
+#include <algorithm>
+#include <bit>
+
+#include <emmintrin.h>
+
+#include "raster/blend.h"
+
+namespace gnomon::detail {
+namespace {
+
+constexpr std::uint64_t all_pixels = ~std::uint64_t{0};
+
+// The three edge functions rebased to a tile: ⌊E/256⌋ at its lower left pixel, stepping by a and b per pixel. Pixel
+// centres are 256 apart, so the remainder is the same everywhere and the sign of the floor is the sign of E. An edge
+// with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
+struct TileEdges {
+    std::int32_t base[3], a[3], b[3];
+    bool empty = false;
+};
+
+TileEdges rebase(const SetupTriangle& t, int tile_x, int tile_y) {
+    TileEdges edges;
+    constexpr std::int64_t span = tile_side - 1;
+    for (int e = 0; e < 3; ++e) {
+        const std::int64_t corner =
+            t.a[e] * (std::int64_t{tile_x} * 256 + 128) + t.b[e] * (std::int64_t{tile_y} * 256 + 128) + t.c[e];
+        const std::int64_t base = corner >> 8;
+        const std::int64_t least =
+            base + span * (std::min<std::int64_t>(t.a[e], 0) + std::min<std::int64_t>(t.b[e], 0));
+        const std::int64_t most = base + span * (std::max<std::int64_t>(t.a[e], 0) + std::max<std::int64_t>(t.b[e], 0));
+        edges.empty |= most < 0;
+        const bool inside = least >= 0;
+        edges.base[e] = inside || most < 0 ? 0 : static_cast<std::int32_t>(base);
+        edges.a[e] = inside ? 0 : static_cast<std::int32_t>(t.a[e]);
+        edges.b[e] = inside ? 0 : static_cast<std::int32_t>(t.b[e]);
+    }
+    return edges;
+}
+
+// Bit 8·j + i: pixel (x + i, y + j) of the tile is inside all three edges.
+std::uint64_t block_coverage(const TileEdges& edges, int x, int y) {
+    constexpr std::int32_t span = block_side - 1;
+    std::uint64_t covered = all_pixels;
+    for (int e = 0; e < 3; ++e) {
+        const std::int32_t a = edges.a[e], b = edges.b[e];
+        const std::int32_t corner = edges.base[e] + a * x + b * y;
+        if (corner + span * (std::min(a, 0) + std::min(b, 0)) >= 0) continue;
+        if (corner + span * (std::max(a, 0) + std::max(b, 0)) < 0) return 0;
+        __m128i left = _mm_set_epi32(corner + 3 * a, corner + 2 * a, corner + a, corner);
+        __m128i right = _mm_add_epi32(left, _mm_set1_epi32(4 * a));
+        const __m128i step = _mm_set1_epi32(b);
+        std::uint64_t outside = 0;
+        for (int j = 0; j < block_side; ++j) {
+            const int row = _mm_movemask_ps(_mm_castsi128_ps(left)) | _mm_movemask_ps(_mm_castsi128_ps(right)) << 4;
+            outside |= static_cast<std::uint64_t>(row) << (8 * j);
+            left = _mm_add_epi32(left, step);
+            right = _mm_add_epi32(right, step);
+        }
+        covered &= ~outside;
+    }
+    return covered;
+}
+
+// Pixels of the block at (x, y) that lie in the inclusive box.
+std::uint64_t box_mask(const SetupTriangle& t, int x, int y) {
+    const int x0 = std::max(t.x0 - x, 0), x1 = std::min(t.x1 - x, block_side - 1);
+    const int y0 = std::max(t.y0 - y, 0), y1 = std::min(t.y1 - y, block_side - 1);
+    if (x0 > x1 || y0 > y1) return 0;
+    const std::uint64_t row = (0xffull >> (7 - x1)) & (0xffull << x0) & 0xff;
+    const std::uint64_t rows = (all_pixels >> (8 * (7 - y1))) & (all_pixels << (8 * y0));
+    return (row * 0x0101010101010101ull) & rows;
+}
+
+using Keys = std::array<std::uint32_t, 64>;
+
+template <class Visit> void for_each_pixel(std::uint64_t mask, const Visit& visit) {
+    for (; mask; mask &= mask - 1) visit(std::countr_zero(mask));
+}
+
+template <class Visit> void for_each_row(std::uint64_t mask, const Visit& visit) {
+    for (int j = 0; mask; ++j, mask >>= 8)
+        if (mask & 0xff) visit(j, static_cast<std::uint32_t>(mask & 0xff));
+}
+
+// Window depth of whole rows: plane in double, clamped to the triangle's own range, offset, clamped to [0, 1].
+void evaluate_depth(const SetupTriangle& t, int x, int y, std::uint64_t mask, std::array<double, 64>& depth) {
+    for_each_row(mask, [&](int j, std::uint32_t) {
+        const double row = t.depth.value + t.depth.dy * ((y + j + 0.5) - t.anchor_y);
+        for (int i = 0; i < block_side; ++i) {
+            double z = row + t.depth.dx * ((x + i + 0.5) - t.anchor_x);
+            z = std::min(std::max(z, t.depth_minimum), t.depth_maximum) + t.depth_offset;
+            depth[static_cast<size_t>(8 * j + i)] = std::min(std::max(z, 0.0), 1.0);
+        }
+    });
+}
+
+void quantize_depth(Format format, std::uint64_t mask, const std::array<double, 64>& depth, Keys& keys) {
+    for_each_row(mask, [&](int j, std::uint32_t) {
+        const auto first = static_cast<size_t>(8 * j);
+        for (size_t i = first; i < first + 8; ++i) keys[i] = depth_key(format, depth[i]);
+    });
+}
+
+bool compare(Compare test, std::uint32_t fresh, std::uint32_t stored) {
+    switch (test) {
+    case Compare::Never:
+        return false;
+    case Compare::Less:
+        return fresh < stored;
+    case Compare::Equal:
+        return fresh == stored;
+    case Compare::LessEqual:
+        return fresh <= stored;
+    case Compare::Greater:
+        return fresh > stored;
+    case Compare::NotEqual:
+        return fresh != stored;
+    case Compare::GreaterEqual:
+        return fresh >= stored;
+    case Compare::Always:
+        return true;
+    }
+    return true;
+}
+
+std::uint32_t apply(StencilOp op, std::uint32_t value, std::uint32_t reference, std::uint32_t maximum) {
+    switch (op) {
+    case StencilOp::Keep:
+        return value;
+    case StencilOp::Zero:
+        return 0;
+    case StencilOp::Replace:
+        return reference & maximum;
+    case StencilOp::Increment:
+        return value == maximum ? maximum : value + 1;
+    case StencilOp::Decrement:
+        return value == 0 ? 0 : value - 1;
+    case StencilOp::Invert:
+        return ~value & maximum;
+    case StencilOp::IncrementWrap:
+        return (value + 1) & maximum;
+    case StencilOp::DecrementWrap:
+        return (value - 1) & maximum;
+    }
+    return value;
+}
+
+// One block of one triangle on its way through the tests. Masks as in block_coverage.
+struct BlockTests {
+    const TileDraw& tile;
+    const SetupTriangle& triangle;
+    int x, y;
+    PassCounters& counters;
+    const Keys& keys;
+
+    // Those that pass depth bounds, stencil and depth; updates stencil and depth memory.
+    std::uint64_t run(std::uint64_t mask) {
+        mask = depth_bounds(mask);
+        const std::uint64_t stencil_passed = stencil_test(mask);
+        const std::uint64_t passed = depth_test(stencil_passed);
+        stencil_update(mask & ~stencil_passed, face().fail);
+        stencil_update(stencil_passed & ~passed, face().depth_fail);
+        stencil_update(passed, face().pass);
+        depth_write(passed);
+        return passed;
+    }
+
+private:
+    Target* depth() const { return tile.targets->depth; }
+    Target* stencil() const { return tile.state->stencil.enabled ? tile.targets->stencil : nullptr; }
+    int layer() const { return tile.targets->layer; }
+    const StencilFace& face() const { return triangle.front ? tile.state->stencil.front : tile.state->stencil.back; }
+    std::uint32_t stored(const Target& target, int bit) const {
+        return target.load_key(x + (bit & 7), y + (bit >> 3), layer());
+    }
+
+    std::uint64_t depth_bounds(std::uint64_t mask) {
+        if (!depth() || !tile.state->depth.bounds) return mask;
+        const auto [minimum, maximum] = *tile.state->depth.bounds;
+        const Format format = depth()->format();
+        counters.bytes_read += std::popcount(mask) * info(format).bytes;
+        std::uint64_t inside = mask;
+        for_each_pixel(mask, [&](int bit) {
+            const float z = depth_from_key(format, stored(*depth(), bit));
+            if (z < minimum || z > maximum) inside &= ~(std::uint64_t{1} << bit);
+        });
+        return inside;
+    }
+
+    std::uint64_t stencil_test(std::uint64_t mask) {
+        if (!stencil()) return mask;
+        counters.bytes_read += std::popcount(mask) * info(stencil()->format()).bytes;
+        const StencilFace& f = face();
+        if (f.test == Compare::Always) return mask;
+        std::uint64_t passed = mask;
+        for_each_pixel(mask, [&](int bit) {
+            if (!compare(f.test, f.reference & f.read_mask, stored(*stencil(), bit) & f.read_mask))
+                passed &= ~(std::uint64_t{1} << bit);
+        });
+        return passed;
+    }
+
+    std::uint64_t depth_test(std::uint64_t mask) {
+        const Compare test = tile.state->depth.test;
+        if (!depth() || test == Compare::Always) return mask;
+        counters.bytes_read += std::popcount(mask) * info(depth()->format()).bytes;
+        std::uint64_t passed = mask;
+        if (info(depth()->format()).bytes == 4) {
+            for_each_row(mask, [&](int j, std::uint32_t lanes) {
+                const std::uint32_t* row = depth()->row<std::uint32_t>(y + j, layer()) + x;
+                std::uint32_t kept = 0;
+                for (std::uint32_t rest = lanes; rest; rest &= rest - 1) {
+                    const int i = std::countr_zero(rest);
+                    kept |= static_cast<std::uint32_t>(compare(test, keys[static_cast<size_t>(8 * j + i)], row[i]))
+                            << i;
+                }
+                passed &= ~(static_cast<std::uint64_t>(lanes & ~kept) << (8 * j));
+            });
+        } else {
+            for_each_pixel(mask, [&](int bit) {
+                if (!compare(test, keys[static_cast<size_t>(bit)], stored(*depth(), bit)))
+                    passed &= ~(std::uint64_t{1} << bit);
+            });
+        }
+        return passed;
+    }
+
+    void stencil_update(std::uint64_t mask, StencilOp op) {
+        if (!stencil() || op == StencilOp::Keep || !mask) return;
+        const int bytes = info(stencil()->format()).bytes;
+        const std::uint32_t maximum = bytes == 1 ? 0xffu : 0xffffffffu;
+        const StencilFace& f = face();
+        counters.bytes_written += std::popcount(mask) * bytes;
+        for_each_pixel(mask, [&](int bit) {
+            const std::uint32_t old = stored(*stencil(), bit);
+            const std::uint32_t fresh = apply(op, old, f.reference, maximum);
+            stencil()->store_key(x + (bit & 7), y + (bit >> 3), layer(),
+                                 (old & ~f.write_mask) | (fresh & f.write_mask));
+        });
+    }
+
+    void depth_write(std::uint64_t mask) {
+        if (!depth() || !tile.state->depth.write || !mask) return;
+        counters.bytes_written += std::popcount(mask) * info(depth()->format()).bytes;
+        for_each_pixel(mask, [&](int bit) {
+            depth()->store_key(x + (bit & 7), y + (bit >> 3), layer(), keys[static_cast<size_t>(bit)]);
+        });
+    }
+};
+
+using Colors = std::array<std::array<vec4, 64>, max_color_targets>;
+
+void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const Colors& colors,
+                  PassCounters& counters) {
+    const int layer = tile.targets->layer;
+    for (size_t c = 0; c < tile.targets->color.size(); ++c) {
+        Target* target = tile.targets->color[c];
+        const std::uint8_t channels = tile.state->color_mask[c];
+        if (!target || channels == 0) continue;
+        const FormatInfo& format = info(target->format());
+        const bool integer = format.kind == FormatInfo::Kind::Uint;
+        const bool blended = tile.state->blend.enabled && !integer;
+        counters.bytes_written += std::popcount(mask) * format.bytes;
+        if (blended) counters.bytes_read += std::popcount(mask) * format.bytes;
+        for_each_pixel(mask, [&](int bit) {
+            const int px = x + (bit & 7), py = y + (bit >> 3);
+            const vec4 source = colors[c][static_cast<size_t>(bit)];
+            if (integer)
+                target->store_uint(px, py, layer, glm::floatBitsToUint(source), channels);
+            else if (blended)
+                target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer)), channels);
+            else
+                target->store(px, py, layer, source, channels);
+        });
+    }
+}
+
+void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int x, int y,
+                std::uint64_t mask, PassCounters& counters) {
+    const Draw& draw = *tile.draw;
+    counters.fragments_covered += std::popcount(mask);
+    const Target* depth_target = tile.targets->depth;
+    const Format depth_format = depth_target ? depth_target->format() : Format::D32F;
+    std::array<double, 64> depth;
+    Keys keys;
+    evaluate_depth(triangle, x, y, mask, depth);
+    if (depth_target) quantize_depth(depth_format, mask, depth, keys);
+    BlockTests tests{tile, triangle, x, y, counters, keys};
+    if (!draw.fragments) {
+        counters.fragments_passed += std::popcount(tests.run(mask));
+        return;
+    }
+
+    Colors colors;
+    FragmentBlock block;
+    block.triangle = &triangle;
+    block.attributes = attributes;
+    block.x = x, block.y = y;
+    block.color = &colors;
+    block.counters = &counters;
+    const auto shade = [&](std::uint64_t lanes) {
+        block.mask = lanes;
+        for_each_pixel(lanes, [&](int bit) {
+            block.depth[static_cast<size_t>(bit)] = static_cast<float>(depth[static_cast<size_t>(bit)]);
+        });
+        counters.fragments_shaded += std::popcount(lanes);
+        draw.fragments(block, tile.varyings);
+        return block.mask;
+    };
+    const bool late_tests = draw.flags.discards || draw.flags.writes_depth;
+    std::uint64_t passed;
+    if (late_tests) {
+        const std::uint64_t kept = shade(mask);
+        if (draw.flags.writes_depth && depth_target)
+            for_each_pixel(kept, [&](int bit) {
+                keys[static_cast<size_t>(bit)] =
+                    depth_key(depth_format, static_cast<double>(block.depth[static_cast<size_t>(bit)]));
+            });
+        passed = tests.run(kept);
+    } else {
+        passed = tests.run(mask);
+        if (passed) shade(passed);
+    }
+    counters.fragments_passed += std::popcount(passed);
+    if (passed) write_colors(tile, x, y, passed, colors, counters);
+}
+
+} // namespace
+
+void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int tile_x,
+                  int tile_y, PassCounters& counters) {
+    const TileEdges edges = rebase(triangle, tile_x, tile_y);
+    if (edges.empty) return;
+    const int x0 = std::max(triangle.x0, tile_x) & ~(block_side - 1);
+    const int y0 = std::max(triangle.y0, tile_y) & ~(block_side - 1);
+    const int x1 = std::min(triangle.x1, tile_x + tile_side - 1), y1 = std::min(triangle.y1, tile_y + tile_side - 1);
+    for (int y = y0; y <= y1; y += block_side)
+        for (int x = x0; x <= x1; x += block_side) {
+            const std::uint64_t mask = block_coverage(edges, x - tile_x, y - tile_y) & box_mask(triangle, x, y);
+            if (mask) draw_block(tile, triangle, attributes, x, y, mask, counters);
+        }
+}
+
+} // namespace gnomon::detail
