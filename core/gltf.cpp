@@ -23,13 +23,6 @@
 namespace gnomon {
 namespace {
 
-std::string one_line(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
-    while (!text.empty() && text.back() == ' ') text.pop_back();
-    return text;
-}
-
 // Images that no base colour uses are not worth decoding, and one that cannot be decoded must not cost the geometry.
 struct ImageLoading {
     std::vector<bool> used;
@@ -101,7 +94,7 @@ public:
     }
 
 private:
-    void warn(const std::string& what) { scene_.warnings.push_back(path_ + ": " + what); }
+    void warn(const std::string& what) { scene_.warnings.push_back(one_line(path_ + ": " + what)); }
 
     void read_textures() {
         for (const tinygltf::Texture& source : model_.textures) {
@@ -273,7 +266,7 @@ private:
         try {
             add_object(scene_, name, mesh, transform, material);
         } catch (const InputError& error) {
-            throw InputError(path_ + ": " + place + ": " + error.what());
+            throw InputError(one_line(path_ + ": " + place + ": " + error.what()));
         }
         Object& object = scene_.objects.back();
         const vec3 emission = scene_.materials[material].emission;

@@ -40,6 +40,13 @@ std::string shortest(double value) { return fmt::format("{:g}", value); }
 
 } // namespace
 
+std::string one_line(std::string text) {
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    return text;
+}
+
 nlohmann::json parse_json(std::string_view text, const std::string& file) {
     check_depth(text, file);
     try {
@@ -49,14 +56,12 @@ nlohmann::json parse_json(std::string_view text, const std::string& file) {
         std::string message = error.what();
         const size_t place = message.find(" at line ");
         if (place != std::string::npos) message = message.substr(place + 4);
-        std::replace_if(
-            message.begin(), message.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
-        throw InputError(fmt::format("{}: not valid JSON: {}", file, message));
+        throw InputError(fmt::format("{}: not valid JSON: {}", file, one_line(message)));
     }
 }
 
 void JsonReader::fail(const std::string& complaint) const {
-    throw InputError(fmt::format("{}: {} {}", *file_, path_.empty() ? "the document" : path_, complaint));
+    throw InputError(one_line(fmt::format("{}: {} {}", *file_, path_.empty() ? "the document" : path_, complaint)));
 }
 
 void JsonReader::expect_object() const {

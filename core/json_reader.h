@@ -15,6 +15,10 @@ namespace gnomon {
 // Throws InputError with line and column for what is not JSON, and for nesting deeper than any honest document's.
 nlohmann::json parse_json(std::string_view text, const std::string& file);
 
+// `text` with its control characters as spaces and none at its end: names out of files may hold line breaks, messages
+// not.
+std::string one_line(std::string text);
+
 class JsonReader {
 public:
     // `value` and `file` must outlive the reader.

@@ -122,7 +122,7 @@ TEST_CASE("builtin scenes take parameters; a misspelt one or a wrong value is a 
                       "builtin scene 'tree' has no parameter 'sed'; did you mean 'seed'?");
     CHECK_THROWS_AS(load_scene("builtin:tree:levels=99"), UsageError);
     CHECK_THROWS_AS(load_scene("builtin:half-plane:edge_height=5"), UsageError);
-    // Extremes of every range build.
+    // The low end of every range builds.
     for (const BuiltinScene& builtin : builtin_scenes())
         for (const ParameterInfo& parameter : builtin.parameters) {
             CAPTURE(builtin.name, parameter.name);

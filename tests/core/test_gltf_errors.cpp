@@ -171,6 +171,14 @@ TEST_CASE("glTF meshes that cannot be drawn are errors") {
           "nodes[0] is reached twice; the nodes of glTF must form a tree, export the file again");
 }
 
+TEST_CASE("names with line breaks do not break messages into lines") {
+    CHECK(error_of([](GltfBuilder& b) {
+              b.document["nodes"][0]["name"] = "two\nlines";
+              b.document["meshes"][0]["primitives"][0]["indices"] = b.indices(std::vector<std::uint16_t>{0, 1, 3});
+          }).find("of 'two lines' uses vertex 3") != std::string::npos);
+    CHECK(error_of_file("keys.json", "{\"a\\nb\": 1}").starts_with("a b is not a known key"));
+}
+
 TEST_CASE("glTF features that would change the geometry are refused by name") {
     CHECK(error_of([](GltfBuilder& b) { b.document["extensionsRequired"] = {"KHR_draco_mesh_compression"}; }) ==
           "extensionsRequired[0] is 'KHR_draco_mesh_compression', which is not supported; export the file again "
