@@ -152,3 +152,19 @@ TEST_CASE("--primary ray sees what the rasterizer sees", "[cli]") {
         different += raster.find("id")->values.values()[i] != ray.find("id")->values.values()[i];
     CHECK(different < 96 * 54 / 50); // pixels whose centre lies within 1/256 of an edge
 }
+
+TEST_CASE("Several lights have channels and statistics of their own", "[cli]") {
+    const std::string folder = temporary_folder(), scene = folder + "/two.json", out = folder + "/out.exr";
+    write_bytes(scene, R"({"objects": [{"shape": "box", "size": [1, 1, 1]}, {"shape": "plane", "size": [8, 8]}],
+        "lights": [{"name": "a", "type": "point", "position": [2, 4, 2]},
+                   {"name": "b", "type": "disk", "position": [-2, 4, 2], "target": [0, 0, 0], "diameter": 1}]})");
+    const json stats =
+        json::parse(check_success({"render", scene, "-t", "raytraced", "--size", "24x16", "-o", out, "--stats", "-"}));
+    REQUIRE(stats["techniques"].size() == 2);
+    CHECK(stats["techniques"][1]["light"] == "b");
+    const ChannelImage image = gnomon::read_image(out);
+    for (const char* name : {"a.V", "a.M", "b.V", "b.M"}) CHECK(image.find(name));
+    CHECK_FALSE(image.find("V"));
+    check_success({"render", scene, "-t", "raytraced", "--size", "24x16", "--light", "b", "-o", out});
+    CHECK(gnomon::read_image(out).find("V"));
+}
