@@ -14,5 +14,3 @@ endif()
 
 # The package's CMake file exports an include folder of OpenCV that need not exist; pkg-config does not.
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
-add_library(gnomon_oiio INTERFACE)
-target_link_libraries(gnomon_oiio INTERFACE PkgConfig::OIIO)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/vector_clones.h"
+
 namespace gnomon {
 
 bool is_area(LightType type) { return (bit(type) & area_lights) != 0; }
@@ -56,15 +58,65 @@ float surface_area(const Light& light) {
 
 namespace {
 
-// Unit square to unit disk, area-preserving, centre to centre [Shirley and Chiu 1997].
-vec2 concentric(float u, float v) {
+// Unit square to unit disk, area-preserving, centre to centre [Shirley and Chiu 1997]. The angle from the nearer axis
+// is at most π/4, where these Taylor polynomials are exact to float: the same bits from every library, and loops over
+// samples vectorise.
+inline vec2 concentric(float u, float v) {
     const float a = 2.0f * u - 1.0f, b = 2.0f * v - 1.0f;
-    if (a == 0.0f && b == 0.0f) return vec2(0.0f);
-    const auto quarter = static_cast<float>(pi / 4);
     const bool wide = std::abs(a) > std::abs(b);
-    const float radius = wide ? a : b;
-    const float angle = wide ? quarter * (b / a) : 2.0f * quarter - quarter * (a / b);
-    return vec2(std::cos(angle), std::sin(angle)) * radius;
+    const float radius = wide ? a : b, other = wide ? b : a;
+    const float angle = static_cast<float>(pi / 4) * (other / (radius == 0.0f ? 1.0f : radius));
+    const float t = angle * angle;
+    const float sine = angle * (1 + t * (-1.0f / 6 + t * (1.0f / 120 + t * (-1.0f / 5040 + t * (1.0f / 362880)))));
+    const float cosine = 1 + t * (-0.5f + t * (1.0f / 24 + t * (-1.0f / 720 + t * (1.0f / 40320))));
+    return vec2(wide ? cosine : sine, wide ? sine : cosine) * radius;
+}
+
+// The plane figure that stands for a light as seen from one receiver: center + axes × coordinates.
+struct Figure {
+    vec3 center, axis_u, axis_v;
+    float scale_u = 0, scale_v = 0; // width and height of a rectangle, radius of a disk; 0 for a point
+    bool disk = false;
+};
+
+inline vec3 point_on(const Figure& figure, bool disk, float u, float v) {
+    const vec2 d = disk ? concentric(u, v) : vec2(u - 0.5f, v - 0.5f);
+    return figure.center + figure.axis_u * (d.x * figure.scale_u) + figure.axis_v * (d.y * figure.scale_v);
+}
+
+Figure figure_of(const Light& light, vec3 receiver) {
+    Figure point{light.position, vec3(0.0f), vec3(0.0f)};
+    const float radius = 0.5f * light.size.x;
+    switch (light.type) {
+    case LightType::Rectangle:
+    case LightType::TexturedRectangle:
+        return {light.position, light.tangent, bitangent(light), light.size.x, light.size.y, false};
+    case LightType::Disk:
+        return {light.position, light.tangent, bitangent(light), radius, radius, true};
+    case LightType::Sphere: {
+        const vec3 to_receiver = receiver - light.position;
+        const float distance2 = glm::dot(to_receiver, to_receiver);
+        if (distance2 <= radius * radius) return point;
+        const vec3 axis = to_receiver / std::sqrt(distance2);
+        const vec3 tangent = any_tangent(axis);
+        const vec3 limb_center = light.position + axis * (radius * radius / std::sqrt(distance2));
+        const float limb_radius = radius * std::sqrt(1.0f - radius * radius / distance2);
+        return {limb_center, tangent, glm::cross(axis, tangent), limb_radius, limb_radius, true};
+    }
+    default:
+        return point;
+    }
+}
+
+template <bool disk>
+inline void points_on(const Figure& figure, std::span<const float> u, std::span<const float> v, float* __restrict x,
+                      float* __restrict y, float* __restrict z) {
+    for (size_t i = 0; i < u.size(); ++i) {
+        const vec3 p = point_on(figure, disk, u[i], v[i]);
+        x[i] = p.x;
+        y[i] = p.y;
+        z[i] = p.z;
+    }
 }
 
 // Cosine-weighted sum over light_point's 8×8 cells; each cell carries the same share of the light.
@@ -112,29 +164,18 @@ float spot_factor(const Light& light, vec3 to_light) {
 } // namespace
 
 vec3 light_point(const Light& light, float u, float v, vec3 receiver) {
-    switch (light.type) {
-    case LightType::Rectangle:
-    case LightType::TexturedRectangle:
-        return light.position + light.tangent * ((u - 0.5f) * light.size.x) +
-               bitangent(light) * ((v - 0.5f) * light.size.y);
-    case LightType::Disk: {
-        const vec2 d = concentric(u, v) * (0.5f * light.size.x);
-        return light.position + light.tangent * d.x + bitangent(light) * d.y;
-    }
-    case LightType::Sphere: {
-        const vec3 to_receiver = receiver - light.position;
-        const float distance2 = glm::dot(to_receiver, to_receiver);
-        const float radius = 0.5f * light.size.x;
-        if (distance2 <= radius * radius) return light.position;
-        const vec3 axis = to_receiver / std::sqrt(distance2);
-        const vec3 tangent = any_tangent(axis);
-        const vec3 limb_center = light.position + axis * (radius * radius / std::sqrt(distance2));
-        const vec2 d = concentric(u, v) * (radius * std::sqrt(1.0f - radius * radius / distance2));
-        return limb_center + tangent * d.x + glm::cross(axis, tangent) * d.y;
-    }
-    default:
-        return light.position;
-    }
+    const Figure figure = figure_of(light, receiver);
+    return point_on(figure, figure.disk, u, v);
+}
+
+GNOMON_VECTOR_CLONES
+void light_points(const Light& light, vec3 receiver, std::span<const float> u, std::span<const float> v,
+                  std::span<float> x, std::span<float> y, std::span<float> z) {
+    const Figure figure = figure_of(light, receiver);
+    if (figure.disk)
+        points_on<true>(figure, u, v, x.data(), y.data(), z.data());
+    else
+        points_on<false>(figure, u, v, x.data(), y.data(), z.data());
 }
 
 vec3 direction_to_light(const Light& light, vec3 p) {

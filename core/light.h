@@ -3,6 +3,7 @@
 // point at `position`, its centre. Area lights emit on the side that `direction` points to; a sphere emits everywhere.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,9 @@ float surface_area(const Light& light);
 // 1997). A sphere is sampled as the disk that faces `receiver`, through its centre, with the sphere's limb as seen from
 // there: radius r·sqrt(1 − r²/d²) at the limb plane [Forest 2008, 2.0.6]. Punctual lights return `position`.
 vec3 light_point(const Light& light, float u, float v, vec3 receiver);
+// The same for arrays of (u, v), bit for bit, into arrays of coordinates of the same length.
+void light_points(const Light& light, vec3 receiver, std::span<const float> u, std::span<const float> v,
+                  std::span<float> x, std::span<float> y, std::span<float> z);
 
 // Unit vector from `p` to the light's centre, or against the direction of a directional light.
 vec3 direction_to_light(const Light& light, vec3 p);

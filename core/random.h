@@ -18,6 +18,8 @@ constexpr std::uint32_t hash(std::uint32_t a, std::uint32_t b) { return hash(a ^
 constexpr std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) { return hash(hash(a, b), c); }
 
 // [0, 1) with 24 bits: exact in float.
-constexpr float to_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+constexpr float to_unit(std::uint32_t bits) {
+    return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
+}
 
 } // namespace gnomon

@@ -16,6 +16,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/vector_clones.h"
 
 namespace gnomon {
 namespace {
@@ -94,7 +95,9 @@ void keep_lower_index(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
-float largest_component(vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+// Not std::max: taking values instead of references lets loops vectorise.
+inline float larger(float a, float b) { return a > b ? a : b; }
+inline float largest_component(vec3 v) { return larger(larger(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
 
 } // namespace
 
@@ -226,7 +229,7 @@ constexpr float relative_step = 0x1p-19f;
 EmbreeScene::Implementation::Origin EmbreeScene::Implementation::shadow_origin(const Receiver& receiver) const {
     float magnitude = largest_component(receiver.position);
     const uvec3 corners = scene.triangles[receiver.triangle];
-    for (int k = 0; k < 3; ++k) magnitude = std::max(magnitude, largest_component(scene.positions[corners[k]]));
+    for (int k = 0; k < 3; ++k) magnitude = larger(magnitude, largest_component(scene.positions[corners[k]]));
     Origin origin{};
     origin.rounding = magnitude * relative_step;
     origin.position = receiver.position + receiver.geometric_normal * origin.rounding;
@@ -235,19 +238,18 @@ EmbreeScene::Implementation::Origin EmbreeScene::Implementation::shadow_origin(c
     return origin;
 }
 
-// Bit k is set where the receiver sees target k of up to 16.
-unsigned EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& receiver, const float* x,
-                                                const float* y, const float* z, size_t count) const {
-    RTCRay16 rays;
-    alignas(64) int valid[packet_size];
+// Fills a packet with the ways from the origin to 16 targets; lanes are valid where the target is above the receiver's
+// horizon.
+GNOMON_VECTOR_CLONES
+void aim(const Receiver& receiver, vec3 origin, float origin_rounding, const float* x, const float* y, const float* z,
+         RTCRay16& rays, int* __restrict valid) {
     for (size_t k = 0; k < packet_size; ++k) {
-        const size_t i = k < count ? k : count - 1;
-        const vec3 target(x[i], y[i], z[i]);
-        const vec3 way = target - origin.position;
-        valid[k] = k < count && faces(receiver, target) ? -1 : 0;
-        rays.org_x[k] = origin.position.x;
-        rays.org_y[k] = origin.position.y;
-        rays.org_z[k] = origin.position.z;
+        const vec3 target(x[k], y[k], z[k]);
+        const vec3 way = target - origin;
+        valid[k] = faces(receiver, target) ? -1 : 0;
+        rays.org_x[k] = origin.x;
+        rays.org_y[k] = origin.y;
+        rays.org_z[k] = origin.z;
         rays.tnear[k] = 0.0f;
         rays.dir_x[k] = way.x;
         rays.dir_y[k] = way.y;
@@ -255,17 +257,34 @@ unsigned EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& 
         rays.time[k] = 0.0f;
         // The way is not normalised, so 1 is the target. The ray ends short of it by the rounding of its coordinates,
         // so that what touches the light from behind does not hide it.
-        const float rounding = std::max(origin.rounding, largest_component(target) * relative_step);
-        rays.tfar[k] = std::max(0.0f, 1.0f - rounding / largest_component(way));
+        const float rounding = larger(origin_rounding, largest_component(target) * relative_step);
+        rays.tfar[k] = larger(0.0f, 1.0f - rounding / largest_component(way));
         rays.mask[k] = 0xffffffffu;
         rays.id[k] = 0;
         rays.flags[k] = 0;
     }
+}
+
+// Bit k is set where the receiver sees target k of up to 16.
+unsigned EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& receiver, const float* x,
+                                                const float* y, const float* z, size_t count) const {
+    RTCRay16 rays;
+    alignas(64) int valid[packet_size];
+    if (count == packet_size) {
+        aim(receiver, origin.position, origin.rounding, x, y, z, rays, valid);
+    } else {
+        float padded[3][packet_size] = {};
+        std::copy_n(x, count, padded[0]);
+        std::copy_n(y, count, padded[1]);
+        std::copy_n(z, count, padded[2]);
+        aim(receiver, origin.position, origin.rounding, padded[0], padded[1], padded[2], rays, valid);
+        std::fill(valid + count, valid + packet_size, 0);
+    }
     unsigned facing = 0, hidden = 0;
-    for (unsigned k = 0; k < packet_size; ++k) facing |= valid[k] ? 1u << k : 0u;
+    for (unsigned k = 0; k < packet_size; ++k) facing |= (valid[k] ? 1u : 0u) << k;
     if (facing == 0) return 0;
     occluded(valid, casters, origin.query.context, reject_own_triangle, rays);
-    for (unsigned k = 0; k < packet_size; ++k) hidden |= rays.tfar[k] < 0.0f ? 1u << k : 0u;
+    for (unsigned k = 0; k < packet_size; ++k) hidden |= (rays.tfar[k] < 0.0f ? 1u : 0u) << k;
     return facing & ~hidden;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/vector_clones.h"
 
 namespace gnomon {
 namespace {
@@ -33,6 +34,13 @@ constexpr std::uint32_t nested_permutation(std::uint32_t x, std::uint32_t seed) 
 
 constexpr std::uint32_t owen_scramble_reversed(std::uint32_t reversed, std::uint32_t seed) {
     return reverse_bits(nested_permutation(reversed, seed));
+}
+
+GNOMON_VECTOR_CLONES
+void scramble(std::span<const std::uint32_t> reversed, std::uint32_t seed, std::span<float> coordinates) {
+    const std::uint32_t* from = reversed.data();
+    float* __restrict to = coordinates.data();
+    for (size_t k = 0; k < reversed.size(); ++k) to[k] = to_unit(owen_scramble_reversed(from[k], seed));
 }
 
 // Sobol's second dimension, bits reversed: the points are linear over GF(2), so that each power of two doubles the
@@ -131,9 +139,8 @@ void fill_pattern(const PreparedPattern& prepared, std::uint32_t pixel, std::uin
     const size_t count = prepared.size();
     switch (prepared.pattern) {
     case Pattern::Sobol: {
-        const std::uint32_t seed_x = hash(key, 1), seed_y = hash(key, 2);
-        for (size_t k = 0; k < count; ++k) u[k] = to_unit(owen_scramble_reversed(prepared.x[k], seed_x));
-        for (size_t k = 0; k < count; ++k) v[k] = to_unit(owen_scramble_reversed(prepared.y[k], seed_y));
+        scramble(prepared.x, hash(key, 1), u);
+        scramble(prepared.y, hash(key, 2), v);
         break;
     }
     case Pattern::Stratified:

@@ -14,15 +14,6 @@ struct Targets {
     std::vector<float> u, v, x, y, z;
 };
 
-void place_targets(const Light& light, vec3 receiver, Targets& targets) {
-    for (size_t k = 0; k < targets.u.size(); ++k) {
-        const vec3 p = light_point(light, targets.u[k], targets.v[k], receiver);
-        targets.x[k] = p.x;
-        targets.y[k] = p.y;
-        targets.z[k] = p.z;
-    }
-}
-
 bool sees_center(const EmbreeScene& scene, const Receiver& receiver, const Light& light) {
     if (light.type == LightType::Directional) return scene.visible_direction(receiver, -light.direction);
     std::uint8_t seen = 0;
@@ -61,7 +52,7 @@ Image<float> area_visibility(const EmbreeScene& scene, const Receivers& receiver
             const Receiver& receiver = receivers(x, y);
             if (!receiver.valid()) continue;
             fill_pattern(prepared, static_cast<std::uint32_t>(y * receivers.width() + x), seed, targets.u, targets.v);
-            place_targets(light, receiver.position, targets);
+            light_points(light, receiver.position, targets.u, targets.v, targets.x, targets.y, targets.z);
             const size_t seen = scene.count_visible(receiver, targets.x, targets.y, targets.z);
             visibility(x, y) = static_cast<float>(seen) / static_cast<float>(samples);
         }

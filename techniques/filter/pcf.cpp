@@ -10,12 +10,12 @@
 namespace gnomon {
 namespace {
 
-struct PcfParams : ShadowMapParams {
+struct PcfParams : FilteredMapParams {
     int kernel = 15;
     float radius = 0.0f;
 };
 constexpr auto pcf_fields =
-    join(shadow_map_fields,
+    join(filtered_map_fields,
          fields(field("kernel", &PcfParams::kernel, 1, 63, "taps", "side of the filter kernel", "Macedo 2018, 4.3.1"),
                 field("radius", &PcfParams::radius, 0, 512, "texels",
                       "half the side of the square that the taps cover; 0: kernel/2, one texel apart",
@@ -30,7 +30,7 @@ public:
         const vec2 reach(params_.radius > 0 ? params_.radius : 0.5f * static_cast<float>(params_.kernel));
         return {for_each_receiver(frame, "look-up",
                                   [&](const Receiver& receiver, Pixel& pixel) {
-                                      const MapPoint point = map_point(map, light, receiver);
+                                      const MapPoint point = map_point(map, light, receiver, params_.receiver_plane);
                                       if (point.lit || point.dark) return point.lit ? 1.0f : 0.0f;
                                       return percentage_closer(map, point, params_.kernel, reach, pixel.counters);
                                   }),

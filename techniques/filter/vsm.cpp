@@ -41,7 +41,9 @@ public:
     explicit Vsm(VsmParams params) : params_(params) {}
 
     Visibility shade(Frame& frame, const Light& light) override {
-        const LightMap map = {params_, light_views(frame, light, params_.projection, params_.near_plane)};
+        const int gutter = params_.kernel / 2 + 1; // the blur, and the bilinear look-up
+        const LightMap map = {
+            params_, light_views(frame, light, {params_.projection, params_.near_plane, params_.size, gutter})};
         Target moments = frame.target(Format::RG32F, params_.size, params_.size, static_cast<int>(map.views.size()));
         draw_moments(frame, map, moments);
         blur(frame, moments);

@@ -155,7 +155,8 @@ double fitted_extent(const Frame& frame, const LightView& view) {
     return most;
 }
 
-std::vector<LightView> point_views(const Frame& frame, const Light& light, Projection projection, float near_plane) {
+std::vector<LightView> point_views(const Frame& frame, const Light& light, const ViewOptions& options) {
+    const auto [projection, near_plane, size, gutter] = options;
     if (projection != Projection::Cube) {
         LightView view = oriented(light, dvec3(frame.scene().bounds.center()) - dvec3(light.position));
         const double extent = fitted_extent(frame, view);
@@ -175,7 +176,7 @@ std::vector<LightView> point_views(const Frame& frame, const Light& light, Proje
         LightView view{};
         view.origin = dvec3(light.position);
         view.right = face.right, view.up = face.up, view.forward = face.forward;
-        view.half_extent = 1.0;
+        view.half_extent = static_cast<double>(size) / std::max(1, size - 2 * gutter);
         views.push_back(view);
     }
     // All faces share their planes, so that depths compare across edges.
@@ -195,24 +196,27 @@ std::vector<LightView> point_views(const Frame& frame, const Light& light, Proje
 
 } // namespace
 
-std::vector<LightView> light_views(const Frame& frame, const Light& light, Projection projection, float near_plane) {
+std::vector<LightView> light_views(const Frame& frame, const Light& light, const ViewOptions& options) {
     if (light.type == LightType::Directional) {
-        if (projection == Projection::Cube)
+        if (options.projection == Projection::Cube)
             throw UsageError(
                 fmt::format("light '{}' is directional: it has no position for projection=cube", light.name));
-        return {directional_view(frame, light, near_plane)};
+        return {directional_view(frame, light, options.near_plane)};
     }
-    if (light.type == LightType::Spot && projection != Projection::Cube && light.outer_cone <= widest_cone)
-        return {spot_view(frame, light, near_plane)};
-    return point_views(frame, light, projection, near_plane);
+    if (light.type == LightType::Spot && options.projection != Projection::Cube && light.outer_cone <= widest_cone)
+        return {spot_view(frame, light, options.near_plane)};
+    return point_views(frame, light, options);
 }
 
-int view_of(const std::vector<LightView>& views, vec3 p) {
-    if (views.size() == 1) return 0;
-    const dvec3 d = dvec3(p) - views[0].origin, m = glm::abs(d);
+int cube_face(dvec3 d) {
+    const dvec3 m = glm::abs(d);
     if (m.x >= m.y && m.x >= m.z) return d.x > 0 ? 0 : 1;
     if (m.y >= m.z) return d.y > 0 ? 2 : 3;
     return d.z > 0 ? 4 : 5;
+}
+
+int view_of(const std::vector<LightView>& views, vec3 p) {
+    return views.size() == 1 ? 0 : cube_face(dvec3(p) - views[0].origin);
 }
 
 } // namespace gnomon

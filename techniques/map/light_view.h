@@ -32,9 +32,19 @@ struct LightView {
 // order and orientation of OpenGL's cube maps [Navrátil 2015, 2.3]. Projection::Single and Cube force the one or the
 // other; `near_plane` > 0 (metres) replaces the nearest plane that cuts no caster. Throws UsageError for a view that
 // cannot be: a single one of casters all around the light, or a cube of a directional light.
-std::vector<LightView> light_views(const Frame& frame, const Light& light, Projection projection, float near_plane);
+// `gutter` widens cube faces by so many texels of `size` on every side, for filters that reach that far across an edge.
+struct ViewOptions {
+    Projection projection = Projection::Auto;
+    float near_plane = 0.0f;
+    int size = 1;
+    int gutter = 0;
+};
+std::vector<LightView> light_views(const Frame& frame, const Light& light, const ViewOptions& options);
 
-// Index of the view that sees p: 0, or the cube face of the largest coordinate (x before y before z on ties).
+// The cube face that a direction meets, by its largest coordinate; x before y before z on ties.
+int cube_face(dvec3 direction);
+
+// Index of the view that sees p: 0, or the cube face.
 int view_of(const std::vector<LightView>& views, vec3 p);
 
 } // namespace gnomon

@@ -10,7 +10,7 @@ namespace gnomon {
 
 ShadowMap draw_shadow_map(Frame& frame, const Light& light, const ShadowMapParams& params) {
     constexpr std::array<Format, 3> formats = {Format::D32F, Format::D24, Format::D16};
-    std::vector<LightView> views = light_views(frame, light, params.projection, params.near_plane);
+    std::vector<LightView> views = light_views(frame, light, {params.projection, params.near_plane, params.size});
     const int layers = static_cast<int>(views.size());
     ShadowMap map{{params, std::move(views)},
                   frame.target(formats[static_cast<size_t>(params.format)], params.size, params.size, layers)};
@@ -31,7 +31,23 @@ ShadowMap draw_shadow_map(Frame& frame, const Light& light, const ShadowMapParam
     return map;
 }
 
-MapPoint map_point(const LightMap& map, const Light& light, const Receiver& receiver) {
+namespace {
+
+// How the window depth of the receiver's plane changes per texel. In a perspective view 1/distance is affine on the
+// map, in an orthographic one the distance itself is.
+vec2 plane_gradient(const LightView& view, int size, const Receiver& receiver) {
+    const dvec3 n(receiver.geometric_normal);
+    const dvec2 across(glm::dot(n, view.right), glm::dot(n, view.up));
+    const double range = view.far_plane - view.near_plane;
+    const double texel = 2.0 * view.half_extent / size; // metres, at distance 1 for a perspective view
+    if (view.orthographic) return vec2(across * (-texel / (glm::dot(n, view.forward) * range)));
+    const double offset = glm::dot(n, dvec3(receiver.position) - view.origin); // negative: the receiver faces the light
+    return vec2(across * (-view.far_plane * view.near_plane / range * texel / offset));
+}
+
+} // namespace
+
+MapPoint map_point(const LightMap& map, const Light& light, const Receiver& receiver, bool receiver_plane) {
     MapPoint point;
     if (map.params.facing_test && !faces_light(receiver, light)) {
         point.dark = true;
@@ -56,7 +72,33 @@ MapPoint map_point(const LightMap& map, const Light& light, const Receiver& rece
     const float half = 0.5f * static_cast<float>(map.params.size);
     point.texel = vec2(clip.x * oow * half + half, clip.y * oow * half + half);
     point.depth = std::min(clip.z * oow * 0.5f + 0.5f, 1.0f) - map.params.constant_bias;
+    if (receiver_plane) {
+        point.gradient = plane_gradient(view, map.params.size, receiver);
+        // A plane seen edge-on has no depth to follow.
+        if (!(glm::abs(point.gradient.x) < 1.0f && glm::abs(point.gradient.y) < 1.0f)) point.gradient = vec2(0.0f);
+    }
     return point;
+}
+
+MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth) {
+    const int size = map.params.size;
+    if (x >= 0 && y >= 0 && x < size && y < size) return {true, layer, x, y, depth};
+    if (map.views.size() == 1) return {false, layer, x, y, depth};
+    // The point at the tap's direction and depth, projected on the face that it belongs to.
+    const LightView& view = map.views[static_cast<size_t>(layer)];
+    const double n = view.near_plane, f = view.far_plane;
+    const auto coordinate = [&](int i) { return ((i + 0.5) / size * 2.0 - 1.0) * view.half_extent; };
+    const double distance = f * n / (f - std::clamp(static_cast<double>(depth), 0.0, 1.0) * (f - n));
+    const dvec3 offset = (view.forward + view.right * coordinate(x) + view.up * coordinate(y)) * distance;
+    const int other_layer = cube_face(offset);
+    const LightView& other = map.views[static_cast<size_t>(other_layer)];
+    const double other_distance = glm::dot(offset, other.forward);
+    const auto texel = [&](const dvec3& axis) {
+        const double ndc = glm::dot(offset, axis) / (other_distance * other.half_extent);
+        return std::clamp(static_cast<int>(std::floor((ndc * 0.5 + 0.5) * size)), 0, size - 1);
+    };
+    return {true, other_layer, texel(other.right), texel(other.up),
+            static_cast<float>(f / (f - n) * (1.0 - n / other_distance))};
 }
 
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters) {
@@ -67,7 +109,7 @@ float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2
         const int y = texel(point.texel.y + cell(v) * reach.y);
         for (int u = 0; u < n; ++u) {
             const int x = texel(point.texel.x + cell(u) * reach.x);
-            lit += shadow_test(map, point.layer, x, y, point.depth, counters) > 0.0f;
+            lit += shadow_test(map, point.layer, x, y, point.depth_at(x, y), counters) > 0.0f;
         }
     }
     return static_cast<float>(lit) / static_cast<float>(n * n);

@@ -50,6 +50,19 @@ constexpr auto shadow_map_fields =
                             field("units-bias", &ShadowMapParams::units_bias, 0, 1e7, "",
                                   "polygon offset units: times the depth resolution", "Macedo 2018, 0.5")));
 
+// A depth map that is looked up at many texels around the receiver.
+struct FilteredMapParams : ShadowMapParams {
+    bool receiver_plane = true;
+};
+
+constexpr auto filtered_map_fields =
+    join(shadow_map_fields,
+         fields(field(
+             "receiver-plane", &FilteredMapParams::receiver_plane,
+             "compares each tap with the depth of the receiver's plane there; false: with the receiver's own depth, "
+             "so that slope-bias must cover the kernel",
+             "Isidoro 2006")));
+
 // The light's views and how receivers fall on them; maps store one layer a view.
 struct LightMap {
     MapParams params;
@@ -66,21 +79,37 @@ struct MapPoint {
     bool dark = false; // no look-up needed: the receiver faces away from the light
     int layer = 0;
     vec2 texel{0.0f};
-    float depth = 0.0f; // window depth, constant bias subtracted
+    float depth = 0.0f;  // window depth, constant bias subtracted
+    vec2 gradient{0.0f}; // window depth per texel along the receiver's plane; zero unless asked for
+
+    // Depth to compare with at the centre of texel (x, y).
+    float depth_at(int x, int y) const {
+        return depth + (gradient.x * (static_cast<float>(x) + 0.5f - texel.x) +
+                        gradient.y * (static_cast<float>(y) + 0.5f - texel.y));
+    }
 };
 
 // Draws all casters from the light's views: depth less, write, no colour, no culling, the polygon offset of the
 // parameters.
 ShadowMap draw_shadow_map(Frame& frame, const Light& light, const ShadowMapParams& params);
 
-MapPoint map_point(const LightMap& map, const Light& light, const Receiver& receiver);
+MapPoint map_point(const LightMap& map, const Light& light, const Receiver& receiver, bool receiver_plane = false);
+
+// A texel to compare with: beyond the edge of a cube face it lies on the neighbouring face, with the depth as seen from
+// there.
+struct MapTap {
+    bool inside; // false: beyond the edge of a single view
+    int layer, x, y;
+    float depth;
+};
+MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth);
 
 // 1 where depth ≤ the stored depth of texel (x, y), 0 where the texel is nearer; the border's answer outside the map.
 // [Macedo 2018, 0.4]
 inline float shadow_test(const ShadowMap& map, int layer, int x, int y, float depth, PassCounters& counters) {
-    const int size = map.depth.width();
-    if (x < 0 || y < 0 || x >= size || y >= size) return map.params.border == Border::Lit ? 1.0f : 0.0f;
-    return depth <= fetch_depth(map.depth, x, y, layer, counters) ? 1.0f : 0.0f;
+    const MapTap tap = map_tap(map, layer, x, y, depth);
+    if (!tap.inside) return map.params.border == Border::Lit ? 1.0f : 0.0f;
+    return tap.depth <= fetch_depth(map.depth, tap.x, tap.y, tap.layer, counters) ? 1.0f : 0.0f;
 }
 
 // Mean of n×n nearest shadow tests at offsets spread evenly over ±reach texels around the point: the centres of n×n

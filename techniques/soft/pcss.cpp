@@ -20,7 +20,7 @@ namespace {
 
 enum class Search { Frustum, Constant };
 
-struct PcssParams : ShadowMapParams {
+struct PcssParams : FilteredMapParams {
     int search = 9;
     int kernel = 15;
     Search search_area = Search::Frustum;
@@ -28,7 +28,7 @@ struct PcssParams : ShadowMapParams {
     float light_size = 0.0f;
 };
 constexpr auto pcss_fields = join(
-    shadow_map_fields,
+    filtered_map_fields,
     fields(
         field("search", &PcssParams::search, 1, 63, "taps", "side of the blocker search", "Macedo 2018, 5.1"),
         field("kernel", &PcssParams::kernel, 1, 63, "taps", "side of the filter kernel", "Macedo 2018, 5.1"),
@@ -63,7 +63,7 @@ public:
         Image<float> widths(frame.width(), frame.height(), 0.0f);
         Visibility visibility;
         visibility.values = for_each_receiver(frame, "look-up", [&](const Receiver& receiver, Pixel& pixel) {
-            const MapPoint point = map_point(map, light, receiver);
+            const MapPoint point = map_point(map, light, receiver, params_.receiver_plane);
             if (point.lit || point.dark) return point.lit ? 1.0f : 0.0f;
             const LightView& view = map.views[static_cast<size_t>(point.layer)];
             const double distance = view.distance(receiver.position);
@@ -98,10 +98,11 @@ private:
                     return std::floor(static_cast<double>(center) + ((2 * i + 1.0) / params_.search - 1.0) * reach);
                 };
                 const double x = tap(point.texel.x, u), y = tap(point.texel.y, v);
-                if (x < 0 || y < 0 || x >= params_.size || y >= params_.size) continue;
-                const float stored =
-                    fetch_depth(map.depth, static_cast<int>(x), static_cast<int>(y), point.layer, counters);
-                if (point.depth <= stored) continue;
+                const int i = static_cast<int>(x), j = static_cast<int>(y);
+                const MapTap at = map_tap(map, point.layer, i, j, point.depth_at(i, j));
+                if (!at.inside) continue;
+                const float stored = fetch_depth(map.depth, at.x, at.y, at.layer, counters);
+                if (at.depth <= stored) continue;
                 sum += f * n / (f - static_cast<double>(stored) * (f - n)); // window depth to distance
                 ++count;
             }
