@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <regex>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -98,9 +97,11 @@ TEST_CASE("a report loads nothing from outside") {
         CHECK(page.find(word) == std::string::npos);
     }
     // Whatever an element names as its source is in the file; links are relative names of files.
-    const std::regex source("(?:src|href)=\"([^\"#][^\"]*)\"");
-    for (std::sregex_iterator match(page.begin(), page.end(), source), end; match != end; ++match)
-        CHECK((*match)[1].str().rfind("data:", 0) == 0);
+    for (const std::string attribute : {" src=\"", " href=\""})
+        for (size_t at = 0; (at = page.find(attribute, at)) != std::string::npos;) {
+            at += attribute.size();
+            CHECK((page.compare(at, 5, "data:") == 0 || page[at] == '#'));
+        }
     CHECK(page.find("default-src 'none'") != std::string::npos);
     CHECK(page.rfind("<!doctype html>", 0) == 0);
 }
