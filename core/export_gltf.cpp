@@ -20,8 +20,9 @@ using nlohmann::json;
 
 constexpr int float_type = 5126, uint_type = 5125;
 
-// JSON has no infinities; the callers leave such members out.
-double exact(float value) { return static_cast<double>(value); }
+// Adding zero makes −0 a 0, which it is again after loading: one scene, one file. JSON has no infinities; callers leave
+// them out.
+double exact(float value) { return static_cast<double>(value) + 0.0; }
 json exact(vec3 v) { return json::array({exact(v.x), exact(v.y), exact(v.z)}); }
 
 // A colour in [0, 1] and a power of two whose product is `value` exactly: glTF splits every brightness so.

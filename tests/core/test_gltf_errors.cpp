@@ -60,18 +60,17 @@ TEST_CASE("a GLB file cut short at any byte is an error, never a crash") {
 TEST_CASE("any single byte of a GLB file may be wrong without a crash") {
     const std::string whole = GltfBuilder::triangle().glb();
     const std::string path = temporary_folder() + "/flipped.glb";
-    for (size_t i = 0; i < whole.size(); ++i)
-        for (const char change : {'\x01', '\x80', '\xff'}) {
-            std::string damaged = whole;
-            damaged[i] = static_cast<char>(damaged[i] ^ change);
-            write_file(path, damaged);
-            try {
-                const Scene scene = load_scene(path);
-                CHECK(scene.triangles.size() == 1);
-            } catch (const InputError& error) {
-                CHECK(std::string(error.what()).find('\n') == std::string::npos);
-            }
+    for (size_t i = 0; i < whole.size(); ++i) {
+        std::string damaged = whole;
+        damaged[i] = static_cast<char>(damaged[i] ^ "\x01\x80\xff"[i % 3]);
+        write_file(path, damaged);
+        try {
+            const Scene scene = load_scene(path);
+            CHECK(scene.triangles.size() == 1);
+        } catch (const InputError& error) {
+            CHECK(std::string(error.what()).find('\n') == std::string::npos);
         }
+    }
 }
 
 TEST_CASE("files that are not what their name says are errors") {
