@@ -2,13 +2,15 @@
 // The sub-commands: each adds itself to the parser with its options and does its work in the parser's callback. Errors
 // leave as exceptions (core/error.h); gnomon.cpp turns them into one line and an exit code.
 
+#include <string>
+
 namespace CLI {
 class App;
 }
 
 namespace gnomon {
 
-void add_render_command(CLI::App& program);
+void add_render_command(CLI::App& program, const std::string& command_line); // the line goes into reports
 void add_truth_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
 void add_list_command(CLI::App& program);

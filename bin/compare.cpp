@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bin/commands.h"
+#include "bin/error_map_file.h"
 #include "bin/outputs.h"
 #include "bin/stats.h"
 #include "bin/text.h"
@@ -109,11 +110,15 @@ void run_compare(const CompareCommandOptions& options) {
         for (const Bound& bound : bounds) request.metrics.push_back(bound.metric);
     if (!options.channels.empty()) request.channels = split(options.channels, ',');
     if (options.no_mask) request.mask_source = MaskSource::None;
+    const size_t kind = parse_choice(options.map_kind, "--map-kind", {"signed", "magnitude"});
     check_targets(options);
 
     const ChannelImage test = read_image(options.test), reference = read_image(options.reference);
     const Comparison comparison = compare(test, reference, request);
     if (!options.json.empty()) write_json(options.json, comparison_json(comparison));
+    if (!options.map.empty())
+        write_error_map(options.map, test, reference, comparison.channels, !options.no_mask,
+                        kind == 0 ? ErrorMapKind::Signed : ErrorMapKind::Magnitude);
     if (options.json != "-") print_table(comparison, shown);
     check_bounds(comparison, bounds);
 }

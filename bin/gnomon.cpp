@@ -53,11 +53,23 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error) {
     return fmt::format("the argument '{}' was not expected{}", word, hint);
 }
 
-void add_commands(CLI::App& program) {
+// As it would be typed into a shell again.
+std::string command_line(int argc, char** argv) {
+    std::string line = "gnomon";
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,+@%";
+        const bool quoted = word.empty() || word.find_first_not_of(plain) != std::string::npos;
+        line += quoted ? " '" + word + "'" : " " + word;
+    }
+    return line;
+}
+
+void add_commands(CLI::App& program, const std::string& line) {
     program.footer(footer);
     program.require_subcommand(1);
     program.set_version_flag("--version", std::string("gnomon " GNOMON_VERSION));
-    add_render_command(program);
+    add_render_command(program, line);
     add_truth_command(program);
     add_compare_command(program);
     add_list_command(program);
@@ -68,7 +80,7 @@ void add_commands(CLI::App& program) {
 
 int run(int argc, char** argv) {
     CLI::App program("gnomon: the CPU reference for shadow research", "gnomon");
-    add_commands(program);
+    add_commands(program, command_line(argc, argv));
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

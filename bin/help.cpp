@@ -60,7 +60,7 @@ void print_help(const CLI::App& program, const std::string& name) {
     }
     for (const Metric& metric : metrics()) topics.add(metric.id, name, [&] { return metric_text(metric); });
     for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
-        topics.add(command->get_name(), name, [&] { return command->help(); });
+        topics.add(command->get_name(), name, [&] { return command->help("gnomon"); });
     if (topics.found.empty())
         throw UsageError(fmt::format("there is no technique, scene, metric or command '{}'{}", name,
                                      did_you_mean(name, topics.names)));
@@ -75,7 +75,8 @@ void add_help_command(CLI::App& program) {
     command->add_option("name", *name, "what to explain")->type_name("NAME");
     command->callback([&program, name] {
         if (name->empty())
-            print(program.help());
+            // help() of a program would delegate to the command that was given, this one
+            print(program.get_formatter()->make_help(&program, program.get_name(), CLI::AppFormatMode::Normal));
         else
             print_help(program, *name);
     });

@@ -117,8 +117,7 @@ float automatic_exposure(const GBuffer& gbuffer, const Image<vec3>& radiance) {
     return *percentile > 0 && std::isfinite(factor) ? factor : 1.0f;
 }
 
-void write_exposed_png(const std::string& path, const Image<vec3>& radiance, float exposure,
-                       std::map<std::string, std::string> text) {
+Image<vec3> exposed_srgb(const Image<vec3>& radiance, float exposure) {
     Image<vec3> srgb(radiance.width(), radiance.height());
     parallel_for(srgb.size(), 1 << 14, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
@@ -126,8 +125,13 @@ void write_exposed_png(const std::string& path, const Image<vec3>& radiance, flo
             srgb.values()[i] = {srgb_from_linear(linear.x), srgb_from_linear(linear.y), srgb_from_linear(linear.z)};
         }
     });
+    return srgb;
+}
+
+void write_exposed_png(const std::string& path, const Image<vec3>& radiance, float exposure,
+                       std::map<std::string, std::string> text) {
     text["gnomon:exposure"] = fmt::format("{} (factor on scene-linear radiance before sRGB)", exposure);
-    write_png(path, srgb, text);
+    write_png(path, exposed_srgb(radiance, exposure), text);
 }
 
 } // namespace gnomon

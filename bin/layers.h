@@ -37,6 +37,10 @@ void write_debug_images(const std::string& exr_path, const Frame& frame, const s
 // where all is dark.
 float automatic_exposure(const GBuffer& gbuffer, const Image<vec3>& radiance);
 
+// Display-referred sRGB of scene-linear radiance times `exposure`, clamped.
+Image<vec3> exposed_srgb(const Image<vec3>& radiance, float exposure);
+
+// The same as a file; its text says the exposure.
 void write_exposed_png(const std::string& path, const Image<vec3>& radiance, float exposure,
                        std::map<std::string, std::string> text);
 

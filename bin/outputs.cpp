@@ -73,6 +73,10 @@ std::string extension(const std::string& path) {
     return kind;
 }
 
+bool can_hold_several(const std::string& out) {
+    return out.find(placeholder) != std::string::npos || names_a_folder(out);
+}
+
 std::vector<OutputFiles> plan_outputs(const std::string& out, const std::vector<std::string>& ids) {
     if (out.empty()) throw UsageError("--output is empty; name a file (.exr or .png) or a folder");
     const bool fills = out.find(placeholder) != std::string::npos;
@@ -116,6 +120,14 @@ void check_writable(const std::vector<OutputFiles>& plan) {
             else
                 check_writable(path);
         }
+}
+
+void check_writable_beside(const std::vector<OutputFiles>& plan, const std::string& path) {
+    const auto normal = [](const std::string& file) { return fs::absolute(folder_of(file)).lexically_normal(); };
+    std::error_code ignored;
+    const bool made_later = !plan.empty() && plan.front().in_folder && normal(plan.front().exr) == normal(path) &&
+                            !fs::exists(folder_of(path), ignored);
+    if (!made_later) check_writable(path);
 }
 
 void make_folders(const std::vector<OutputFiles>& plan) {

@@ -19,12 +19,18 @@ struct OutputFiles {
 // several would share a file.
 std::vector<OutputFiles> plan_outputs(const std::string& out, const std::vector<std::string>& ids);
 
+// Whether `out` is a folder or has {id} in it.
+bool can_hold_several(const std::string& out);
+
 // Throws InputError unless a file could be put at `path` now: its folder is there and takes files, and it is no folder
 // itself.
 void check_writable(const std::string& path);
 
 // The same for all of a plan. OUT as a folder need not exist yet if it can be made.
 void check_writable(const std::vector<OutputFiles>& plan);
+
+// The same for a file that may lie in the folder of a plan, which need not exist yet.
+void check_writable_beside(const std::vector<OutputFiles>& plan, const std::string& path);
 
 // Makes the folder of a plan whose OUT is one.
 void make_folders(const std::vector<OutputFiles>& plan);

@@ -9,8 +9,9 @@
 
 namespace gnomon {
 
-void add_render_command(CLI::App& program) {
+void add_render_command(CLI::App& program, const std::string& command_line) {
     const auto options = std::make_shared<RenderOptions>();
+    options->command_line = command_line;
     CLI::App* command = program.add_subcommand("render", "render a scene with one or more shadow techniques");
     command
         ->add_option("-t,--technique", options->techniques,

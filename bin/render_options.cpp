@@ -59,12 +59,13 @@ std::vector<TechniqueRequest> read_techniques(const std::vector<std::string>& sp
 void check_files(const RenderRequest& request) {
     std::vector<std::string> ids;
     for (const TechniqueRequest& technique : request.techniques) ids.push_back(technique.entry->info.id);
-    check_writable(plan_outputs(request.output, ids));
-    if (!request.stats.empty() && request.stats != "-") check_writable(request.stats);
+    const std::vector<OutputFiles> plan = plan_outputs(request.output, ids);
+    check_writable(plan);
+    if (!request.stats.empty() && request.stats != "-") check_writable_beside(plan, request.stats);
     if (request.report.empty()) return;
     if (extension(request.report) != ".html")
         throw UsageError(fmt::format("--report is '{}', but a report is written as .html", request.report));
-    check_writable(request.report);
+    check_writable_beside(plan, request.report);
 }
 
 } // namespace
@@ -122,6 +123,7 @@ RenderRequest read_render_options(const RenderOptions& options) {
     request.output = options.output;
     request.stats = options.stats;
     request.report = options.report;
+    request.command_line = options.command_line;
     check_files(request);
     return request;
 }

@@ -20,6 +20,7 @@ struct RenderOptions : SceneOptions {
     std::string aov, exposure = "auto", ambient = "0";
     bool debug_images = false;
     std::string stats, report, reference;
+    std::string command_line; // as the report shows it
     std::string progress = "auto";
 };
 void add_image_options(CLI::App& command, RenderOptions& options); // all but techniques, report and reference
@@ -48,7 +49,7 @@ struct RenderRequest {
     bool debug_images = false;
     std::optional<float> exposure_stops; // none: chosen from the unshadowed image
     vec3 ambient{0.0f};                  // W/m²
-    std::string stats, report;
+    std::string stats, report, command_line;
     std::optional<TechniqueRequest> reference;
     bool progress = false;
 };

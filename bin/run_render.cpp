@@ -139,7 +139,8 @@ void write_images(Session& session, const Rendered& rendered) {
     if (!files.exr.empty())
         write_exr(files.exr, make_layers(session.request, session.frame, session.stage.lights, rendered.radiance,
                                          rendered.images, attributes));
-    if (session.request.debug_images) write_debug_images(any_path, session.frame, rendered.images, attributes);
+    if (session.request.debug_images && !any_path.empty())
+        write_debug_images(any_path, session.frame, rendered.images, attributes);
     if (files.png.empty()) return;
     std::map<std::string, std::string> text;
     for (const auto& [name, value] : attributes)
@@ -147,13 +148,53 @@ void write_images(Session& session, const Rendered& rendered) {
     write_exposed_png(files.png, rendered.radiance, session.exposure, text);
 }
 
-void render_all(Session& session, const std::vector<TechniqueRequest>& techniques) {
-    std::vector<std::string> ids;
-    for (const TechniqueRequest& technique : techniques) ids.push_back(technique.entry->info.id);
-    const std::vector<OutputFiles> plan = plan_outputs(session.request.output, ids);
-    make_folders(plan);
-    for (size_t i = 0; i < techniques.size(); ++i)
-        write_images(session, render_technique(session, techniques[i], plan[i]));
+// The techniques with their files. With a report, its reference too: where it is none of them it gets a label and,
+// unless the one technique's file was named, files of its own.
+struct Work {
+    std::vector<TechniqueRequest> techniques;
+    std::vector<OutputFiles> files;
+    size_t reference = 0;
+};
+
+Work plan_work(const RenderRequest& request, std::vector<TechniqueRequest> techniques,
+               const std::vector<Light>& lights) {
+    const auto ids_of = [](const std::vector<TechniqueRequest>& requests) {
+        std::vector<std::string> ids;
+        for (const TechniqueRequest& technique : requests) ids.push_back(technique.entry->info.id);
+        return ids;
+    };
+    Work work{techniques, plan_outputs(request.output, ids_of(techniques)), 0};
+    if (request.report.empty()) return work;
+    const TechniqueRequest reference = choose_reference(request, lights);
+    for (const Light& light : lights) check_support(*reference.entry, light);
+    const auto found = std::find_if(techniques.begin(), techniques.end(), [&](const TechniqueRequest& technique) {
+        return same_technique(technique, reference);
+    });
+    work.reference = static_cast<size_t>(found - techniques.begin());
+    if (found != techniques.end()) return work;
+    work.techniques.push_back(reference);
+    if (can_hold_several(request.output))
+        work.files = plan_outputs(request.output, ids_of(work.techniques));
+    else
+        work.files.push_back({reference.entry->info.id + "-reference", "", "", false});
+    return work;
+}
+
+void render_all(Session& session, const Work& work) {
+    make_folders(work.files);
+    const bool reported = !session.request.report.empty();
+    ReportBuilder report(session.request, session.stage, session.frame, session.exposure);
+    const auto render = [&](size_t i) {
+        const Rendered rendered = render_technique(session, work.techniques[i], work.files[i]);
+        write_images(session, rendered);
+        if (reported) report.add(rendered, session.stats);
+    };
+    if (reported) render(work.reference);
+    for (size_t i = 0; i < work.techniques.size(); ++i)
+        if (!reported || i != work.reference) render(i);
+    if (!reported) return;
+    const Step step(session.stats, "report");
+    report.write();
 }
 
 void run(const RenderRequest& request) {
@@ -161,7 +202,7 @@ void run(const RenderRequest& request) {
     Stopwatch watch;
     const Stage stage = load_stage(request.scene);
     stats.steps.push_back({"load scene", watch.seconds()});
-    const std::vector<TechniqueRequest> techniques = supported(request, stage.lights);
+    const Work work = plan_work(request, supported(request, stage.lights), stage.lights);
 
     watch = {};
     Frame frame(stage.scene, stage.camera, request.size.x, request.size.y, request.primary);
@@ -176,7 +217,7 @@ void run(const RenderRequest& request) {
 
     Session session{request, stage, frame, stats, {}, {}};
     prepare_shading(session);
-    render_all(session, techniques);
+    render_all(session, work);
     stats.steps.push_back({"adjacency", frame.adjacency_seconds()});
     stats.steps.push_back({"embree", frame.rays_seconds()});
     if (!request.stats.empty()) write_json(request.stats, stats_json(stats));

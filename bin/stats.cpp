@@ -10,25 +10,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json passes_json(const PassLog& log) {
-    ordered_json passes = ordered_json::array();
-    for (const PassCounters& pass : log.passes)
-        passes.push_back({{"name", pass.name},
-                          {"draws", pass.draws},
-                          {"vertices", pass.vertices},
-                          {"triangles", pass.triangles},
-                          {"clipped", pass.clipped},
-                          {"culled", pass.culled},
-                          {"fragments_covered", pass.fragments_covered},
-                          {"fragments_passed", pass.fragments_passed},
-                          {"fragments_shaded", pass.fragments_shaded},
-                          {"texels_fetched", pass.texels_fetched},
-                          {"bytes_read", pass.bytes_read},
-                          {"bytes_written", pass.bytes_written},
-                          {"seconds", pass.seconds}});
-    return passes;
-}
-
 ordered_json techniques_json(const std::vector<TechniqueStats>& techniques) {
     ordered_json rows = ordered_json::array();
     for (const TechniqueStats& technique : techniques)
@@ -49,6 +30,25 @@ std::int64_t peak_resident_bytes() {
 }
 
 } // namespace
+
+ordered_json passes_json(const PassLog& log) {
+    ordered_json passes = ordered_json::array();
+    for (const PassCounters& pass : log.passes)
+        passes.push_back({{"name", pass.name},
+                          {"draws", pass.draws},
+                          {"vertices", pass.vertices},
+                          {"triangles", pass.triangles},
+                          {"clipped", pass.clipped},
+                          {"culled", pass.culled},
+                          {"fragments_covered", pass.fragments_covered},
+                          {"fragments_passed", pass.fragments_passed},
+                          {"fragments_shaded", pass.fragments_shaded},
+                          {"texels_fetched", pass.texels_fetched},
+                          {"bytes_read", pass.bytes_read},
+                          {"bytes_written", pass.bytes_written},
+                          {"seconds", pass.seconds}});
+    return passes;
+}
 
 ordered_json stats_json(const RunStats& stats) {
     ordered_json steps = ordered_json::array();

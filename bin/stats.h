@@ -39,6 +39,7 @@ struct RunStats {
     std::vector<StepStats> steps;
 };
 
+nlohmann::ordered_json passes_json(const PassLog& log);
 nlohmann::ordered_json stats_json(const RunStats& stats);
 
 // FILE.json, or standard output for "-".

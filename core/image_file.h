@@ -40,7 +40,7 @@ void write_exr(const std::string& path, const ChannelImage& image);
 // tEXt.
 void write_png(const std::string& path, const Image<vec3>& srgb, const std::map<std::string, std::string>& text = {});
 
-// The bytes of a PNG file, in colour as above or in grey, compressed as well as PNG can.
+// The bytes of a PNG file, in colour as above or in grey, for embedding.
 std::string encode_png(const Image<vec3>& srgb);
 std::string encode_png(const Image<std::uint8_t>& gray);
 

@@ -68,6 +68,7 @@ const viewer = (() => {
     const own = ++generation;
     controls();
     const loaded = await Promise.all(sides.map(async side => {
+      if (!side.layer) return [null, 1];
       const is_error = side.layer === 'signed' || side.layer === 'magnitude';
       const range = !is_error ? 1 : state.range === 'auto' ? await shared_range() : Number(state.range);
       return [await layer_image(side.entry, side.layer, range), range];
@@ -139,14 +140,14 @@ const viewer = (() => {
   });
 
   function controls() {
+    for (const side of sides) // an entry may lack the layer that is looked at
+      if (!layers.find(layer => layer.id === side.layer)?.of(side.entry)) side.layer = layers.find(layer => layer.of(side.entry))?.id;
     press_mode(state.mode);
     press_layer(state.left.layer === state.right.layer || state.mode === 'single' ? state.left.layer : '');
     chips.forEach((chip, i) => chip.setAttribute('aria-pressed', entries[i] === state.left.entry));
     names.forEach((name, side) => {
       id(name + '-entry').value = entries.indexOf(sides[side].entry);
       id(name + '-layer').value = sides[side].layer;
-      if (!layers.find(layer => layer.id === sides[side].layer)?.of(sides[side].entry))
-        sides[side].layer = layers.find(layer => layer.of(sides[side].entry))?.id;
     });
     stage.querySelector('.tag.right').hidden = state.mode === 'single';
     id('range-field').hidden = !sides.some(side => side.layer === 'signed' || side.layer === 'magnitude');

@@ -16,7 +16,7 @@ const cards = (() => {
       entry.passes.length > 1 ? element('tfoot', {}, row('td', 'total', counter => total(entry, counter))) : ''));
   }
 
-  // A small picture of a layer, drawn when it comes near the window.
+  // A small picture of a layer.
   function thumb(entry, layer) {
     const canvas = blank(Math.min(width, 640), Math.max(1, Math.round(Math.min(width, 640) * height / width)));
     const button = element('button', {type: 'button', 'aria-label': `${entry.title}: show ${layer.title.toLowerCase()} in the large panel`}, canvas);
@@ -91,20 +91,21 @@ const cards = (() => {
           [element('dt', {textContent: name}), element('dd', {textContent: typeof value === 'string' ? value : JSON.stringify(value)})])) : element('p', {className: 'note', textContent: 'none'})),
         element('div', {}, element('h3', {textContent: 'Cost'}), cost_list, passes(entry),
           entry.links.length ? element('p', {className: 'links'}, ...entry.links.map(link => element('a', {href: link, textContent: link}))) : '')));
-    made.draw = async () => {
-      made.draw = () => {};
+    let drawing = null;
+    made.draw = () => drawing ??= (async () => {
       for (const one of thumbs) await one.draw();
       if (worst) await fill_worst(entry, worst);
-    };
+    })();
     return made;
   }
 
   function fill() {
     const all = entries.map(card);
     document.getElementById('cards').replaceChildren(...all);
+    // First the cards near the window, then the rest, so that printing finds all of them.
     const near = new IntersectionObserver(seen => seen.filter(one => one.isIntersecting).forEach(one => { near.unobserve(one.target); one.target.draw(); }), {rootMargin: '600px'});
     all.forEach(one => near.observe(one));
-    window.addEventListener('beforeprint', () => all.forEach(one => one.draw()));
+    return async () => { for (const one of all) await one.draw(); };
   }
   return {fill};
 })();

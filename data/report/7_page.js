@@ -30,8 +30,8 @@ document.getElementById('theme').addEventListener('click', () => {
 
 table.fill();
 plot.setup();
+const draw_cards = cards.fill();
 if (layers.length) {
   viewer.fit_canvas();
-  viewer.show();
+  viewer.show().then(draw_cards);
 } else document.getElementById('images').hidden = true;
-cards.fill();

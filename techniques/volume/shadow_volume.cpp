@@ -54,6 +54,33 @@ int multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge, const 
     return sum;
 }
 
+// The scene's depth, for comparing with caps that must meet it bit for bit. Caps are drawn with depth clamp, where the
+// near plane cuts nothing; a triangle that it did cut would get other vertices and another plane. So where something
+// reaches across the near plane the scene is clamped too, and the fragments in front of the plane, clamped to zero, are
+// discarded.
+void draw_scene_depth(Frame& frame, const mat4& to_clip, Target& depth) {
+    Pass pass = frame.pass("scene depth");
+    depth.clear_depth(pass, 1.0f);
+    const Scene& scene = frame.scene();
+    const auto vertex = [&](std::uint32_t i) { return transform(to_clip, scene.positions[i]); };
+    const auto discard_in_front = [](const Fragment<NoVaryings>& in, FragmentOutput& out) {
+        out.discarded = in.depth <= 0;
+    };
+    const auto vertices = static_cast<std::uint32_t>(scene.positions.size());
+    bool crosses_near_plane = false;
+    for (std::uint32_t i = 0; i < vertices && !crosses_near_plane; ++i) {
+        const vec4 p = vertex(i);
+        crosses_near_plane = p.z < -p.w;
+    }
+    PipelineState state;
+    state.depth = {.test = Compare::Less, .write = true, .clamp = crosses_near_plane};
+    if (crosses_near_plane)
+        draw(pass, {vertices, scene.triangles}, state, vertex, FragmentProgram{discard_in_front, {.discards = true}},
+             Targets{.depth = &depth});
+    else
+        draw(pass, {vertices, scene.triangles}, state, vertex, depth_only, Targets{.depth = &depth});
+}
+
 } // namespace
 
 ShadowVolume build_shadow_volume(Frame& frame, const Light& light) {
@@ -89,17 +116,7 @@ Image<float> stencil_shadows(Frame& frame, const Light& light, const ShadowVolum
     const mat4 to_clip(infinite_projection_matrix(frame.camera(), frame.aspect()) * view_matrix(frame.camera()));
     Target depth = frame.target(Format::D32F, frame.width(), frame.height());
     Target stencil = frame.target(bits == StencilBits::S8 ? Format::S8 : Format::S32, frame.width(), frame.height());
-    const Scene& scene = frame.scene();
-    {
-        Pass pass = frame.pass("scene depth");
-        depth.clear_depth(pass, 1.0f);
-        PipelineState state;
-        state.depth = {.test = Compare::Less, .write = true};
-        draw(
-            pass, {static_cast<std::uint32_t>(scene.positions.size()), scene.triangles}, state,
-            [&](std::uint32_t i) { return transform(to_clip, scene.positions[i]); }, depth_only,
-            Targets{.depth = &depth});
-    }
+    draw_scene_depth(frame, to_clip, depth);
     {
         Pass pass = frame.pass("volumes");
         stencil.clear_uint(pass, initial_count);
