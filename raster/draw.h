@@ -51,7 +51,7 @@ template <class V> struct Fragment {
 
 struct FragmentOutput {
     std::array<vec4, max_color_targets> color{}; // integer targets take the bits (glm::uintBitsToFloat)
-    float depth = 0;                               // read only with FragmentFlags::writes_depth
+    float depth = 0;                             // read only with FragmentFlags::writes_depth
     bool discarded = false;
 };
 

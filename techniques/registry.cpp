@@ -41,7 +41,8 @@ const char* technique_kind_name(TechniqueKind kind) {
 void check_support(const Entry& entry, const Light& light) {
     if (!(entry.info.lights & bit(light.type)))
         throw UsageError(fmt::format("technique '{}' does not support the {} light '{}'; it supports {}", entry.info.id,
-                                     light_type_name(light.type), light.name, fmt::join(light_type_names(entry.info.lights), ", ")));
+                                     light_type_name(light.type), light.name,
+                                     fmt::join(light_type_names(entry.info.lights), ", ")));
 }
 
 Visibility run_technique(const Entry& entry, Technique& technique, Frame& frame, const Light& light) {

@@ -16,7 +16,7 @@ const table = (() => {
       }));
     const cost = (id, title, hint, value, text) => ({id, title, hint, value, text: v => v === undefined ? '–' : text(v), lower: true});
     return metric_columns.concat([
-      cost('fragments', 'Fragments', 'fragments shaded in all passes', entry => total(entry, 'fragments_shaded'), compact),
+      cost('fragments', 'Fragments', 'fragments covered in all passes: the fill', entry => total(entry, 'fragments_covered'), compact),
       cost('texels', 'Texels', 'texels fetched in all passes', entry => total(entry, 'texels_fetched'), compact),
       cost('memory', 'Memory', 'render targets and scratch memory at their peak', entry => entry.peak_bytes || undefined, bytes),
       cost('seconds', 'Time', 'seconds on the machine that made the images', entry => entry.seconds || undefined, seconds),
