@@ -140,7 +140,7 @@ TEST_CASE("Names of outputs for several techniques", "[cli]") {
     CHECK(files_in(folder).size() == 3);
 }
 
-TEST_CASE("--primary ray sees what the rasterizer sees", "[cli]") {
+TEST_CASE("the option --primary ray sees what the rasterizer sees", "[cli]") {
     const std::string folder = temporary_folder();
     for (const char* primary : {"raster", "ray"})
         check_success({"render", "builtin:default", "-t", "raytraced", "--size", "96x54", "--aov", "id", "--primary",

@@ -68,7 +68,7 @@ TEST_CASE("smooth primitives have normals on the side that their faces show") {
         }
 }
 
-TEST_CASE("sheets face up; a grid's heights stay in range and depend on its seed alone") {
+TEST_CASE("sheets face up, a grid's heights stay in range and depend on its seed alone") {
     const MeshData plane = plane_mesh({4, 2}, 3, 5);
     CHECK(plane.triangles.size() == 30);
     for (const uvec3 t : plane.triangles) {
@@ -113,7 +113,7 @@ TEST_CASE(
     CHECK(names.size() == 9);
 }
 
-TEST_CASE("builtin scenes take parameters; a misspelt one or a wrong value is a usage error") {
+TEST_CASE("builtin scenes take parameters, a misspelt one or a wrong value is a usage error") {
     CHECK(load_scene("builtin:wire-ball:meridians=3,parallels=0").triangles.size() <
           load_scene("builtin:wire-ball").triangles.size());
     CHECK_FALSE(same_geometry(load_scene("builtin:tree:seed=2"), load_scene("builtin:tree")));

@@ -284,7 +284,7 @@ TEST_CASE("glTF: perspective and orthographic cameras look along −z, planes ar
     CHECK(scene.cameras[2].near_plane >= 1e-4f * scene.cameras[2].far_plane);
 }
 
-TEST_CASE("glTF: base colour textures with their wrap modes; transparency and undecodable images warn") {
+TEST_CASE("glTF: base colour textures with their wrap modes, transparency and undecodable images warn") {
     GltfBuilder builder = GltfBuilder::triangle();
     // A PNG of 2 by 1 texels: red, and half-transparent blue.
     const std::string png =

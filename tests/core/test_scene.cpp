@@ -31,7 +31,7 @@ bool near(vec3 a, vec3 b, float tolerance = 1e-6f) { return glm::length(a - b) <
 
 } // namespace
 
-TEST_CASE("add_object transforms in double and rounds once; the identity keeps every bit") {
+TEST_CASE("add_object transforms in double and rounds once, the identity keeps every bit") {
     Scene scene;
     MeshData mesh = triangle();
     mesh.positions[1] = {0.1f, -0.0f, 1e-42f};

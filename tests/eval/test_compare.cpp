@@ -51,7 +51,7 @@ TEST_CASE("visibility is compared where both images have it, colour otherwise") 
     CHECK(std::isnan(value_of(colors, "false_shadow")));
 }
 
-TEST_CASE("one light called differently is one light; of several, the common ones are compared") {
+TEST_CASE("one light called differently is one light, of several, the common ones are compared") {
     CHECK(value_of(compare(with_channels({{"V", 0.5f}}), with_channels({{"lamp.V", 1.0f}})), "mae") == 0.5);
     const ChannelImage test = with_channels({{"lamp.V", 0.5f}, {"sun.V", 1.0f}, {"sky.V", 0.0f}});
     const ChannelImage truth = with_channels({{"lamp.V", 1.0f}, {"sun.V", 1.0f}});

@@ -59,7 +59,7 @@ TEST_CASE("a sobol sequence is progressive", "[raytrace][pattern]") {
     CHECK(std::equal(few.begin(), few.end(), many.begin()));
 }
 
-TEST_CASE("points lie in [0, 1) and depend on pixel and seed", "[raytrace][pattern]") {
+TEST_CASE("points lie in the half-open unit square and depend on pixel and seed", "[raytrace][pattern]") {
     for (const Pattern pattern : all_patterns) {
         INFO("pattern " << static_cast<int>(pattern));
         for (const size_t count : {1, 2, 3, 4, 12, 100, 1024}) {
