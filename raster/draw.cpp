@@ -85,7 +85,8 @@ bool touches(const SetupTriangle& t, int tile_x, int tile_y) {
 }
 
 template <class Visit> void for_each_tile(const SetupTriangle& t, const Grid& grid, const Visit& visit) {
-    const int x0 = t.x0 / tile_side, x1 = t.x1 / tile_side, y0 = t.y0 / tile_side, y1 = t.y1 / tile_side;
+    // Boxes lie inside the target, so the shifts are divisions.
+    const int x0 = t.x0 >> tile_shift, x1 = t.x1 >> tile_shift, y0 = t.y0 >> tile_shift, y1 = t.y1 >> tile_shift;
     const bool single = x0 == x1 && y0 == y1;
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x)
@@ -138,9 +139,11 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     const auto positions = std::make_unique_for_overwrite<vec4[]>(draw.geometry.vertex_count);
     const auto varyings =
         std::make_unique_for_overwrite<float[]>(static_cast<size_t>(draw.varying_count) * draw.geometry.vertex_count);
+    const auto window = std::make_unique_for_overwrite<WindowVertex[]>(draw.geometry.vertex_count);
     parallel_for(draw.geometry.vertex_count, vertex_grain, [&](size_t begin, size_t end) {
         draw.vertices(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), positions.get(),
                       varyings.get());
+        for (size_t i = begin; i < end; ++i) window[i] = to_window(setup, positions[i]);
     });
     if (setup.drawable.width == 0 || setup.drawable.height == 0) {
         counters.culled += static_cast<std::int64_t>(triangles.size());
@@ -159,8 +162,8 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
             chunk.triangles.clear();
             chunk.attributes.clear();
             for (size_t i = first + begin; i < first + end; ++i)
-                set_up_triangle(setup, positions[triangles[i].x], positions[triangles[i].y], positions[triangles[i].z],
-                                static_cast<std::uint32_t>(i), chunk.triangles, chunk.attributes, chunk.counts);
+                set_up_triangle(setup, positions.get(), window.get(), triangles[i], static_cast<std::uint32_t>(i),
+                                chunk.triangles, chunk.attributes, chunk.counts);
             bin(chunk, grid);
         });
         draw_batch(tile_draw, chunks, chunk_count(count, chunk_triangles), grid, counters);

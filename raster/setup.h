@@ -67,10 +67,22 @@ struct SetupState {
     bool attributes;
 };
 
-// Appends the set-up triangles of one clip-space triangle: none, one, or a fan where it is clipped. `attributes` grows
-// in step where the state asks for it.
-void set_up_triangle(const SetupState& state, const vec4& p0, const vec4& p1, const vec4& p2, std::uint32_t primitive,
-                     std::vector<SetupTriangle>& triangles, std::vector<AttributePlanes>& attributes,
-                     SetupCounts& counts);
+// A vertex on the target: snapped position and depth, and which planes it lies outside of. Made once a vertex, used by
+// all of its triangles.
+struct WindowVertex {
+    std::int32_t x, y; // 1/256 pixels; meaningless where the vertex needs clipping
+    float z;
+    std::uint32_t flags; // outside_* and needs_clip
+};
+inline constexpr std::uint32_t outside_mask = 63; // one bit for each of the six frustum planes
+inline constexpr std::uint32_t needs_clip = 64;   // beyond near or far (unless depth clamp), or beyond the guard band
+
+WindowVertex to_window(const SetupState& state, const vec4& clip_position);
+
+// Appends the set-up triangles of the triangle `index` over the vertices: none, one, or a fan where it is clipped.
+// `attributes` grows in step where the state asks for it.
+void set_up_triangle(const SetupState& state, const vec4* positions, const WindowVertex* window, const uvec3& index,
+                     std::uint32_t primitive, std::vector<SetupTriangle>& triangles,
+                     std::vector<AttributePlanes>& attributes, SetupCounts& counts);
 
 } // namespace gnomon

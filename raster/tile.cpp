@@ -39,8 +39,9 @@ TileEdges rebase(const SetupTriangle& t, int tile_x, int tile_y) {
     return edges;
 }
 
-// Bit 8·j + i: pixel (x + i, y + j) of the tile is inside all three edges.
-std::uint64_t block_coverage(const TileEdges& edges, int x, int y) {
+// Bit 8·j + i: pixel (x + i, y + j) of the tile is inside all three edges; rows outside [first, last] are not looked
+// at.
+std::uint64_t block_coverage(const TileEdges& edges, int x, int y, int first, int last) {
     constexpr std::int32_t span = block_side - 1;
     std::uint64_t covered = all_pixels;
     for (int e = 0; e < 3; ++e) {
@@ -48,11 +49,12 @@ std::uint64_t block_coverage(const TileEdges& edges, int x, int y) {
         const std::int32_t corner = edges.base[e] + a * x + b * y;
         if (corner + span * (std::min(a, 0) + std::min(b, 0)) >= 0) continue;
         if (corner + span * (std::max(a, 0) + std::max(b, 0)) < 0) return 0;
-        __m128i left = _mm_set_epi32(corner + 3 * a, corner + 2 * a, corner + a, corner);
+        const std::int32_t start = corner + first * b;
+        __m128i left = _mm_set_epi32(start + 3 * a, start + 2 * a, start + a, start);
         __m128i right = _mm_add_epi32(left, _mm_set1_epi32(4 * a));
         const __m128i step = _mm_set1_epi32(b);
         std::uint64_t outside = 0;
-        for (int j = 0; j < block_side; ++j) {
+        for (int j = first; j <= last; ++j) {
             const int row = _mm_movemask_ps(_mm_castsi128_ps(left)) | _mm_movemask_ps(_mm_castsi128_ps(right)) << 4;
             outside |= static_cast<std::uint64_t>(row) << (8 * j);
             left = _mm_add_epi32(left, step);
@@ -84,22 +86,36 @@ template <class Visit> void for_each_row(std::uint64_t mask, const Visit& visit)
         if (mask & 0xff) visit(j, static_cast<std::uint32_t>(mask & 0xff));
 }
 
+using Depths = std::array<double, 64>;
+
 // Window depth of whole rows: plane in double, clamped to the triangle's own range, offset, clamped to [0, 1].
-void evaluate_depth(const SetupTriangle& t, int x, int y, std::uint64_t mask, std::array<double, 64>& depth) {
+void evaluate_depth(const SetupTriangle& t, int x, int y, std::uint64_t mask, Depths& depth) {
+    const double least = t.depth_minimum, most = t.depth_maximum, offset = t.depth_offset, dx = t.depth.dx;
+    const double first = (x + 0.5) - t.anchor_x; // exact: both are multiples of 1/512 far below 2⁵³
     for_each_row(mask, [&](int j, std::uint32_t) {
         const double row = t.depth.value + t.depth.dy * ((y + j + 0.5) - t.anchor_y);
+        double* out = depth.data() + 8 * j;
         for (int i = 0; i < block_side; ++i) {
-            double z = row + t.depth.dx * ((x + i + 0.5) - t.anchor_x);
-            z = std::min(std::max(z, t.depth_minimum), t.depth_maximum) + t.depth_offset;
-            depth[static_cast<size_t>(8 * j + i)] = std::min(std::max(z, 0.0), 1.0);
+            double z = row + dx * (first + i);
+            z = z > least ? z : least;
+            z = (z < most ? z : most) + offset;
+            z = z > 0.0 ? z : 0.0;
+            out[i] = z < 1.0 ? z : 1.0;
         }
     });
 }
 
-void quantize_depth(Format format, std::uint64_t mask, const std::array<double, 64>& depth, Keys& keys) {
+// depth_key for values that are in [0, 1] already.
+void quantize_depth(Format format, std::uint64_t mask, const Depths& depth, Keys& keys) {
+    const double scale = format == Format::D16 ? 65535.0 : 16777215.0;
     for_each_row(mask, [&](int j, std::uint32_t) {
-        const auto first = static_cast<size_t>(8 * j);
-        for (size_t i = first; i < first + 8; ++i) keys[i] = depth_key(format, depth[i]);
+        const double* z = depth.data() + 8 * j;
+        std::uint32_t* out = keys.data() + 8 * j;
+        if (format == Format::D32F)
+            for (int i = 0; i < block_side; ++i) out[i] = std::bit_cast<std::uint32_t>(static_cast<float>(z[i]));
+        else
+            for (int i = 0; i < block_side; ++i)
+                out[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(z[i] * scale + 0.5));
     });
 }
 
@@ -123,6 +139,73 @@ bool compare(Compare test, std::uint32_t fresh, std::uint32_t stored) {
         return true;
     }
     return true;
+}
+
+// Four lanes of a bit mask as all-ones words.
+__m128i lane_mask(std::uint32_t lanes, int shift) {
+    const __m128i bits = _mm_set_epi32(8 << shift, 4 << shift, 2 << shift, 1 << shift);
+    return _mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32(static_cast<int>(lanes)), bits), bits);
+}
+
+__m128i load4(const std::uint32_t* at) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at)); }
+void store4(std::uint32_t* at, __m128i value) { _mm_storeu_si128(reinterpret_cast<__m128i*>(at), value); }
+
+// Bit i: `fresh[i] test stored[i]`. Keys lie below 2³¹ (depths in [0, 1]), so that signed comparison orders them.
+std::uint32_t compare_row(Compare test, const std::uint32_t* fresh, const std::uint32_t* stored) {
+    std::uint32_t greater = 0, equal = 0;
+    for (int half = 0; half < 2; ++half) {
+        const __m128i a = load4(fresh + 4 * half), b = load4(stored + 4 * half);
+        const auto bits = [&](__m128i lanes) {
+            return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(lanes))) << (4 * half);
+        };
+        greater |= bits(_mm_cmpgt_epi32(a, b));
+        equal |= bits(_mm_cmpeq_epi32(a, b));
+    }
+    switch (test) {
+    case Compare::Never:
+        return 0;
+    case Compare::Less:
+        return ~(greater | equal) & 0xff;
+    case Compare::Equal:
+        return equal;
+    case Compare::LessEqual:
+        return ~greater & 0xff;
+    case Compare::Greater:
+        return greater;
+    case Compare::NotEqual:
+        return ~equal & 0xff;
+    case Compare::GreaterEqual:
+        return greater | equal;
+    case Compare::Always:
+        return 0xff;
+    }
+    return 0;
+}
+
+// stored[i] = fresh[i] in the lanes.
+void store_row(std::uint32_t* stored, const std::uint32_t* fresh, std::uint32_t lanes) {
+    for (int half = 0; half < 2; ++half) {
+        const __m128i mask = lane_mask(lanes, 4 * half);
+        const __m128i old = load4(stored + 4 * half), value = load4(fresh + 4 * half);
+        store4(stored + 4 * half, _mm_or_si128(_mm_and_si128(mask, value), _mm_andnot_si128(mask, old)));
+    }
+}
+
+// Adds one to the lanes, or subtracts it, wrapping.
+void count_row(std::uint32_t* stored, std::uint32_t lanes, bool up) {
+    for (int half = 0; half < 2; ++half) {
+        const __m128i mask = lane_mask(lanes, 4 * half); // −1 in the lanes
+        const __m128i old = load4(stored + 4 * half);
+        store4(stored + 4 * half, up ? _mm_sub_epi32(old, mask) : _mm_add_epi32(old, mask));
+    }
+}
+
+void count_row(std::uint8_t* stored, std::uint32_t lanes, bool up) {
+    const __m128i mask =
+        _mm_packs_epi16(_mm_packs_epi32(lane_mask(lanes, 0), lane_mask(lanes, 4)), _mm_setzero_si128());
+    const __m128i old = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(stored));
+    const __m128i fresh = up ? _mm_sub_epi8(old, mask) : _mm_add_epi8(old, mask);
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(stored), fresh);
 }
 
 std::uint32_t apply(StencilOp op, std::uint32_t value, std::uint32_t reference, std::uint32_t maximum) {
@@ -176,6 +259,12 @@ private:
         return target.load_key(x + (bit & 7), y + (bit >> 3), layer());
     }
 
+    // Whether rows of eight 32-bit values can be read and written at once: the block does not stick out of the target.
+    bool whole_rows(const Target& target) const {
+        return info(target.format()).bytes == 4 && x + block_side <= target.width();
+    }
+    template <class T> T* row_of(Target& target, int j) const { return target.row<T>(y + j, layer()) + x; }
+
     std::uint64_t depth_bounds(std::uint64_t mask) {
         if (!depth() || !tile.state->depth.bounds) return mask;
         const auto [minimum, maximum] = *tile.state->depth.bounds;
@@ -207,15 +296,9 @@ private:
         if (!depth() || test == Compare::Always) return mask;
         counters.bytes_read += std::popcount(mask) * info(depth()->format()).bytes;
         std::uint64_t passed = mask;
-        if (info(depth()->format()).bytes == 4) {
+        if (whole_rows(*depth())) {
             for_each_row(mask, [&](int j, std::uint32_t lanes) {
-                const std::uint32_t* row = depth()->row<std::uint32_t>(y + j, layer()) + x;
-                std::uint32_t kept = 0;
-                for (std::uint32_t rest = lanes; rest; rest &= rest - 1) {
-                    const int i = std::countr_zero(rest);
-                    kept |= static_cast<std::uint32_t>(compare(test, keys[static_cast<size_t>(8 * j + i)], row[i]))
-                            << i;
-                }
+                const std::uint32_t kept = compare_row(test, keys.data() + 8 * j, row_of<std::uint32_t>(*depth(), j));
                 passed &= ~(static_cast<std::uint64_t>(lanes & ~kept) << (8 * j));
             });
         } else {
@@ -233,6 +316,16 @@ private:
         const std::uint32_t maximum = bytes == 1 ? 0xffu : 0xffffffffu;
         const StencilFace& f = face();
         counters.bytes_written += std::popcount(mask) * bytes;
+        const bool counts = op == StencilOp::IncrementWrap || op == StencilOp::DecrementWrap;
+        if (counts && (f.write_mask & maximum) == maximum && x + block_side <= stencil()->width()) {
+            for_each_row(mask, [&](int j, std::uint32_t lanes) {
+                if (bytes == 1)
+                    count_row(row_of<std::uint8_t>(*stencil(), j), lanes, op == StencilOp::IncrementWrap);
+                else
+                    count_row(row_of<std::uint32_t>(*stencil(), j), lanes, op == StencilOp::IncrementWrap);
+            });
+            return;
+        }
         for_each_pixel(mask, [&](int bit) {
             const std::uint32_t old = stored(*stencil(), bit);
             const std::uint32_t fresh = apply(op, old, f.reference, maximum);
@@ -244,9 +337,14 @@ private:
     void depth_write(std::uint64_t mask) {
         if (!depth() || !tile.state->depth.write || !mask) return;
         counters.bytes_written += std::popcount(mask) * info(depth()->format()).bytes;
-        for_each_pixel(mask, [&](int bit) {
-            depth()->store_key(x + (bit & 7), y + (bit >> 3), layer(), keys[static_cast<size_t>(bit)]);
-        });
+        if (whole_rows(*depth()))
+            for_each_row(mask, [&](int j, std::uint32_t lanes) {
+                store_row(row_of<std::uint32_t>(*depth(), j), keys.data() + 8 * j, lanes);
+            });
+        else
+            for_each_pixel(mask, [&](int bit) {
+                depth()->store_key(x + (bit & 7), y + (bit >> 3), layer(), keys[static_cast<size_t>(bit)]);
+            });
     }
 };
 
@@ -283,7 +381,7 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const Attri
     counters.fragments_covered += std::popcount(mask);
     const Target* depth_target = tile.targets->depth;
     const Format depth_format = depth_target ? depth_target->format() : Format::D32F;
-    std::array<double, 64> depth;
+    Depths depth;
     Keys keys;
     evaluate_depth(triangle, x, y, mask, depth);
     if (depth_target) quantize_depth(depth_format, mask, depth, keys);
@@ -338,7 +436,9 @@ void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const Att
     const int x1 = std::min(triangle.x1, tile_x + tile_side - 1), y1 = std::min(triangle.y1, tile_y + tile_side - 1);
     for (int y = y0; y <= y1; y += block_side)
         for (int x = x0; x <= x1; x += block_side) {
-            const std::uint64_t mask = block_coverage(edges, x - tile_x, y - tile_y) & box_mask(triangle, x, y);
+            const int first = std::max(triangle.y0 - y, 0), last = std::min(triangle.y1 - y, block_side - 1);
+            const std::uint64_t mask =
+                block_coverage(edges, x - tile_x, y - tile_y, first, last) & box_mask(triangle, x, y);
             if (mask) draw_block(tile, triangle, attributes, x, y, mask, counters);
         }
 }

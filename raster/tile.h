@@ -6,7 +6,9 @@
 
 namespace gnomon::detail {
 
-inline constexpr int tile_side = 64; // pixels: every edge function that crosses a tile fits 32 bits (setup.h)
+inline constexpr int tile_shift = 6;
+inline constexpr int tile_side =
+    1 << tile_shift; // pixels: every edge function that crosses a tile fits 32 bits (setup.h)
 inline constexpr int block_side = 8;
 
 // What is the same for all triangles of a draw.
