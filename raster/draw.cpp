@@ -153,7 +153,7 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     const Rectangle& d = setup.drawable;
     const int tx0 = d.x / tile_side, ty0 = d.y / tile_side;
     const Grid grid = {tx0, ty0, (d.x + d.width - 1) / tile_side - tx0 + 1, (d.y + d.height - 1) / tile_side - ty0 + 1};
-    const TileDraw tile_draw = {&draw, &state, &targets, varyings.get()};
+    const TileDraw tile_draw = {&draw, &state, &targets, varyings.get(), &kernels()};
     std::vector<Chunk> chunks(chunk_count(std::min(triangles.size(), batch_triangles), chunk_triangles));
     for (size_t first = 0; first < triangles.size(); first += batch_triangles) {
         const size_t count = std::min(batch_triangles, triangles.size() - first);

@@ -12,14 +12,6 @@ namespace {
 
 constexpr std::uint64_t all_pixels = ~std::uint64_t{0};
 
-// The three edge functions rebased to a tile: ⌊E/256⌋ at its lower left pixel, stepping by a and b per pixel. Pixel
-// centres are 256 apart, so the remainder is the same everywhere and the sign of the floor is the sign of E. An edge
-// with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
-struct TileEdges {
-    std::int32_t base[3], a[3], b[3];
-    bool empty = false;
-};
-
 TileEdges rebase(const SetupTriangle& t, int tile_x, int tile_y) {
     TileEdges edges;
     constexpr std::int64_t span = tile_side - 1;
@@ -37,32 +29,6 @@ TileEdges rebase(const SetupTriangle& t, int tile_x, int tile_y) {
         edges.b[e] = inside ? 0 : static_cast<std::int32_t>(t.b[e]);
     }
     return edges;
-}
-
-// Bit 8·j + i: pixel (x + i, y + j) of the tile is inside all three edges; rows outside [first, last] are not looked
-// at.
-std::uint64_t block_coverage(const TileEdges& edges, int x, int y, int first, int last) {
-    constexpr std::int32_t span = block_side - 1;
-    std::uint64_t covered = all_pixels;
-    for (int e = 0; e < 3; ++e) {
-        const std::int32_t a = edges.a[e], b = edges.b[e];
-        const std::int32_t corner = edges.base[e] + a * x + b * y;
-        if (corner + span * (std::min(a, 0) + std::min(b, 0)) >= 0) continue;
-        if (corner + span * (std::max(a, 0) + std::max(b, 0)) < 0) return 0;
-        const std::int32_t start = corner + first * b;
-        __m128i left = _mm_set_epi32(start + 3 * a, start + 2 * a, start + a, start);
-        __m128i right = _mm_add_epi32(left, _mm_set1_epi32(4 * a));
-        const __m128i step = _mm_set1_epi32(b);
-        std::uint64_t outside = 0;
-        for (int j = first; j <= last; ++j) {
-            const int row = _mm_movemask_ps(_mm_castsi128_ps(left)) | _mm_movemask_ps(_mm_castsi128_ps(right)) << 4;
-            outside |= static_cast<std::uint64_t>(row) << (8 * j);
-            left = _mm_add_epi32(left, step);
-            right = _mm_add_epi32(right, step);
-        }
-        covered &= ~outside;
-    }
-    return covered;
 }
 
 // Pixels of the block at (x, y) that lie in the inclusive box.
@@ -87,23 +53,6 @@ template <class Visit> void for_each_row(std::uint64_t mask, const Visit& visit)
 }
 
 using Depths = std::array<double, 64>;
-
-// Window depth of whole rows: plane in double, clamped to the triangle's own range, offset, clamped to [0, 1].
-void evaluate_depth(const SetupTriangle& t, int x, int y, std::uint64_t mask, Depths& depth) {
-    const double least = t.depth_minimum, most = t.depth_maximum, offset = t.depth_offset, dx = t.depth.dx;
-    const double first = (x + 0.5) - t.anchor_x; // exact: both are multiples of 1/512 far below 2⁵³
-    for_each_row(mask, [&](int j, std::uint32_t) {
-        const double row = t.depth.value + t.depth.dy * ((y + j + 0.5) - t.anchor_y);
-        double* out = depth.data() + 8 * j;
-        for (int i = 0; i < block_side; ++i) {
-            double z = row + dx * (first + i);
-            z = z > least ? z : least;
-            z = (z < most ? z : most) + offset;
-            z = z > 0.0 ? z : 0.0;
-            out[i] = z < 1.0 ? z : 1.0;
-        }
-    });
-}
 
 // depth_key for values that are in [0, 1] already.
 void quantize_depth(Format format, std::uint64_t mask, const Depths& depth, Keys& keys) {
@@ -230,13 +179,19 @@ std::uint32_t apply(StencilOp op, std::uint32_t value, std::uint32_t reference, 
     return value;
 }
 
+// Whether rows of eight 32-bit values can be read and written at once: the block does not stick out of the target.
+bool has_whole_rows(const Target& target, int x) {
+    return info(target.format()).bytes == 4 && x + block_side <= target.width();
+}
+
 // One block of one triangle on its way through the tests. Masks as in block_coverage.
 struct BlockTests {
     const TileDraw& tile;
     const SetupTriangle& triangle;
     int x, y;
     PassCounters& counters;
-    const Keys& keys;
+    const Keys*
+        keys; // of the pixels' depths; null where the kernel for whole D32F rows evaluates, tests and writes at once
 
     // Those that pass depth bounds, stencil and depth; updates stencil and depth memory.
     std::uint64_t run(std::uint64_t mask) {
@@ -246,7 +201,6 @@ struct BlockTests {
         stencil_update(mask & ~stencil_passed, face().fail);
         stencil_update(stencil_passed & ~passed, face().depth_fail);
         stencil_update(passed, face().pass);
-        depth_write(passed);
         return passed;
     }
 
@@ -259,10 +213,7 @@ private:
         return target.load_key(x + (bit & 7), y + (bit >> 3), layer());
     }
 
-    // Whether rows of eight 32-bit values can be read and written at once: the block does not stick out of the target.
-    bool whole_rows(const Target& target) const {
-        return info(target.format()).bytes == 4 && x + block_side <= target.width();
-    }
+    bool whole_rows(const Target& target) const { return has_whole_rows(target, x); }
     template <class T> T* row_of(Target& target, int j) const { return target.row<T>(y + j, layer()) + x; }
 
     std::uint64_t depth_bounds(std::uint64_t mask) {
@@ -291,23 +242,51 @@ private:
         return passed;
     }
 
+    // Tests, and writes those that pass.
     std::uint64_t depth_test(std::uint64_t mask) {
+        const DepthState& state = tile.state->depth;
+        if (!depth() || !mask) return mask;
+        const int bytes = info(depth()->format()).bytes;
+        if (state.test != Compare::Always) counters.bytes_read += std::popcount(mask) * bytes;
+        std::uint64_t passed = mask;
+        if (!keys) {
+            if (state.test == Compare::Always && !state.write) return mask;
+            passed = tile.kernels->test_d32f(triangle, x, y, mask, row_of<float>(*depth(), 0),
+                                             static_cast<size_t>(depth()->width()), state.test, state.write);
+        } else {
+            if (state.test != Compare::Always) passed = test_keys(mask);
+            if (state.write) write_keys(passed);
+        }
+        if (state.write) counters.bytes_written += std::popcount(passed) * bytes;
+        return passed;
+    }
+
+    std::uint64_t test_keys(std::uint64_t mask) {
         const Compare test = tile.state->depth.test;
-        if (!depth() || test == Compare::Always) return mask;
-        counters.bytes_read += std::popcount(mask) * info(depth()->format()).bytes;
         std::uint64_t passed = mask;
         if (whole_rows(*depth())) {
             for_each_row(mask, [&](int j, std::uint32_t lanes) {
-                const std::uint32_t kept = compare_row(test, keys.data() + 8 * j, row_of<std::uint32_t>(*depth(), j));
+                const std::uint32_t kept = compare_row(test, keys->data() + 8 * j, row_of<std::uint32_t>(*depth(), j));
                 passed &= ~(static_cast<std::uint64_t>(lanes & ~kept) << (8 * j));
             });
         } else {
             for_each_pixel(mask, [&](int bit) {
-                if (!compare(test, keys[static_cast<size_t>(bit)], stored(*depth(), bit)))
+                if (!compare(test, (*keys)[static_cast<size_t>(bit)], stored(*depth(), bit)))
                     passed &= ~(std::uint64_t{1} << bit);
             });
         }
         return passed;
+    }
+
+    void write_keys(std::uint64_t mask) {
+        if (whole_rows(*depth()))
+            for_each_row(mask, [&](int j, std::uint32_t lanes) {
+                store_row(row_of<std::uint32_t>(*depth(), j), keys->data() + 8 * j, lanes);
+            });
+        else
+            for_each_pixel(mask, [&](int bit) {
+                depth()->store_key(x + (bit & 7), y + (bit >> 3), layer(), (*keys)[static_cast<size_t>(bit)]);
+            });
     }
 
     void stencil_update(std::uint64_t mask, StencilOp op) {
@@ -332,19 +311,6 @@ private:
             stencil()->store_key(x + (bit & 7), y + (bit >> 3), layer(),
                                  (old & ~f.write_mask) | (fresh & f.write_mask));
         });
-    }
-
-    void depth_write(std::uint64_t mask) {
-        if (!depth() || !tile.state->depth.write || !mask) return;
-        counters.bytes_written += std::popcount(mask) * info(depth()->format()).bytes;
-        if (whole_rows(*depth()))
-            for_each_row(mask, [&](int j, std::uint32_t lanes) {
-                store_row(row_of<std::uint32_t>(*depth(), j), keys.data() + 8 * j, lanes);
-            });
-        else
-            for_each_pixel(mask, [&](int bit) {
-                depth()->store_key(x + (bit & 7), y + (bit >> 3), layer(), keys[static_cast<size_t>(bit)]);
-            });
     }
 };
 
@@ -381,11 +347,15 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const Attri
     counters.fragments_covered += std::popcount(mask);
     const Target* depth_target = tile.targets->depth;
     const Format depth_format = depth_target ? depth_target->format() : Format::D32F;
+    const bool late_tests = draw.flags.discards || draw.flags.writes_depth;
+    const bool fused = depth_target && depth_format == Format::D32F && has_whole_rows(*depth_target, x) && !late_tests;
     Depths depth;
     Keys keys;
-    evaluate_depth(triangle, x, y, mask, depth);
-    if (depth_target) quantize_depth(depth_format, mask, depth, keys);
-    BlockTests tests{tile, triangle, x, y, counters, keys};
+    if (!fused) {
+        tile.kernels->depth(triangle, x, y, mask, depth.data());
+        if (depth_target) quantize_depth(depth_format, mask, depth, keys);
+    }
+    BlockTests tests{tile, triangle, x, y, counters, fused ? nullptr : &keys};
     if (!draw.fragments) {
         counters.fragments_passed += std::popcount(tests.run(mask));
         return;
@@ -407,7 +377,6 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const Attri
         draw.fragments(block, tile.varyings);
         return block.mask;
     };
-    const bool late_tests = draw.flags.discards || draw.flags.writes_depth;
     std::uint64_t passed;
     if (late_tests) {
         const std::uint64_t kept = shade(mask);
@@ -419,6 +388,7 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const Attri
         passed = tests.run(kept);
     } else {
         passed = tests.run(mask);
+        if (passed && fused) tile.kernels->depth(triangle, x, y, passed, depth.data());
         if (passed) shade(passed);
     }
     counters.fragments_passed += std::popcount(passed);
@@ -438,7 +408,7 @@ void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const Att
         for (int x = x0; x <= x1; x += block_side) {
             const int first = std::max(triangle.y0 - y, 0), last = std::min(triangle.y1 - y, block_side - 1);
             const std::uint64_t mask =
-                block_coverage(edges, x - tile_x, y - tile_y, first, last) & box_mask(triangle, x, y);
+                tile.kernels->coverage(edges, x - tile_x, y - tile_y, first, last) & box_mask(triangle, x, y);
             if (mask) draw_block(tile, triangle, attributes, x, y, mask, counters);
         }
 }
