@@ -56,6 +56,7 @@ SetupState setup_state(const Draw& draw, const PipelineState& state, const Targe
     setup.polygon_offset = state.polygon_offset;
     setup.depth_format = targets.depth ? targets.depth->format() : Format::D32F;
     setup.attributes = draw.varying_count > 0;
+    setup.conservative = state.conservative;
     return setup;
 }
 

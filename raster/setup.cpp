@@ -78,9 +78,6 @@ int clip(Polygon& polygon, const ClipPlanes& planes) {
     return count;
 }
 
-int first_center(std::int32_t fixed) { return (fixed + 127) >> 8; } // ⌈(fixed − 128)/256⌉
-int last_center(std::int32_t fixed) { return (fixed - 128) >> 8; }  // ⌊(fixed − 128)/256⌋
-
 using Corners = std::array<WindowVertex, 3>;
 
 struct Box {
@@ -94,6 +91,8 @@ bool survives(const SetupState& state, const Corners& v, bool mirrored, std::int
     front = ((area > 0) != mirrored) == (state.front_face == FrontFace::CounterClockwise);
     if (state.cull == (front ? Cull::Front : Cull::Back)) return false;
     const Rectangle& d = state.drawable;
+    const auto first_center = [&](std::int32_t fixed) { return (fixed + (state.conservative ? 0 : 127)) >> 8; };
+    const auto last_center = [&](std::int32_t fixed) { return (fixed - (state.conservative ? 0 : 128)) >> 8; };
     box.x0 = std::max(first_center(std::min(std::min(v[0].x, v[1].x), v[2].x)), d.x);
     box.x1 = std::min(last_center(std::max(std::max(v[0].x, v[1].x), v[2].x)), d.x + d.width - 1);
     box.y0 = std::max(first_center(std::min(std::min(v[0].y, v[1].y), v[2].y)), d.y);
@@ -130,7 +129,7 @@ struct PlaneFrame {
     }
 };
 
-void set_edges(SetupTriangle& t, const Corners& v, bool clockwise) {
+void set_edges(SetupTriangle& t, const Corners& v, bool clockwise, bool conservative) {
     const std::array<size_t, 3> order = clockwise ? std::array<size_t, 3>{0, 2, 1} : std::array<size_t, 3>{0, 1, 2};
     for (size_t i = 0; i < 3; ++i) {
         const WindowVertex &p = v[order[i]], &q = v[order[(i + 1) % 3]];
@@ -139,6 +138,7 @@ void set_edges(SetupTriangle& t, const Corners& v, bool clockwise) {
         t.a[i] = -dy;
         t.b[i] = dx;
         t.c[i] = dy * p.x - dx * p.y - (inclusive ? 0 : 1);
+        if (conservative) t.c[i] += 128 * (std::abs(dx) + std::abs(dy)); // the pixel's corner that is most inside
     }
 }
 
@@ -173,7 +173,7 @@ bool emit(const SetupState& state, const Corners& v, const std::array<dvec3, 3>&
     t.depth_minimum = std::min(std::min(v[0].z, v[1].z), v[2].z);
     t.depth_maximum = std::max(std::max(v[0].z, v[1].z), v[2].z);
     t.depth_offset = offset_of(state, t);
-    set_edges(t, v, area < 0);
+    set_edges(t, v, area < 0, state.conservative);
     if (state.attributes) {
         std::array<double, 3> inverse_w, second, third;
         for (size_t i = 0; i < 3; ++i) {
@@ -181,7 +181,9 @@ bool emit(const SetupState& state, const Corners& v, const std::array<dvec3, 3>&
             second[i] = barycentric[i].y * inverse_w[i];
             third[i] = barycentric[i].z * inverse_w[i];
         }
-        attributes.push_back({frame.plane(inverse_w), frame.plane(second), frame.plane(third)});
+        attributes.push_back({frame.plane(inverse_w), frame.plane(second), frame.plane(third),
+                              frame.plane({barycentric[0].y, barycentric[1].y, barycentric[2].y}),
+                              frame.plane({barycentric[0].z, barycentric[1].z, barycentric[2].z})});
     }
     return true;
 }

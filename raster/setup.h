@@ -45,9 +45,10 @@ struct SetupTriangle {
     }
 };
 
-// What perspective-correct interpolation needs: 1/w and the second and third barycentric coordinate over w, as planes.
+// What interpolation needs, as planes: 1/w, the second and third barycentric coordinate over w (perspective), and the
+// two as they are (linear in the window).
 struct AttributePlanes {
-    Plane inverse_w, second, third;
+    Plane inverse_w, second, third, second_linear, third_linear;
 };
 
 struct SetupCounts {
@@ -65,6 +66,7 @@ struct SetupState {
     PolygonOffset polygon_offset;
     Format depth_format; // decides the unit of the polygon offset
     bool attributes;
+    bool conservative;
 };
 
 // A vertex on the target: snapped position and depth, and which planes it lies outside of. Made once a vertex, used by

@@ -316,6 +316,26 @@ private:
 
 using Colors = std::array<std::array<vec4, 64>, max_color_targets>;
 
+glm::uvec4 combined(LogicOp op, glm::uvec4 source, const Target& target, int x, int y, int layer) {
+    switch (op) {
+    case LogicOp::Copy:
+        return source;
+    case LogicOp::Clear:
+        return glm::uvec4(0);
+    case LogicOp::Set:
+        return glm::uvec4(0xffffffffu);
+    case LogicOp::And:
+        return source & target.load_uint(x, y, layer);
+    case LogicOp::Or:
+        return source | target.load_uint(x, y, layer);
+    case LogicOp::Xor:
+        return source ^ target.load_uint(x, y, layer);
+    case LogicOp::Invert:
+        return ~target.load_uint(x, y, layer);
+    }
+    return source;
+}
+
 void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const Colors& colors,
                   PassCounters& counters) {
     const int layer = tile.targets->layer;
@@ -327,13 +347,16 @@ void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const 
         const bool integer = format.kind == FormatInfo::Kind::Uint;
         const bool blended = tile.state->blend.enabled && !integer;
         counters.bytes_written += std::popcount(mask) * format.bytes;
-        if (blended) counters.bytes_read += std::popcount(mask) * format.bytes;
+        const bool reads = blended || (integer && tile.state->logic_op >= LogicOp::And);
+        if (reads) counters.bytes_read += std::popcount(mask) * format.bytes;
         for_each_pixel(mask, [&](int bit) {
             const int px = x + (bit & 7), py = y + (bit >> 3);
             const vec4 source = colors[c][static_cast<size_t>(bit)];
-            if (integer)
-                target->store_uint(px, py, layer, glm::floatBitsToUint(source), channels);
-            else if (blended)
+            if (integer) {
+                const glm::uvec4 bits = glm::floatBitsToUint(source);
+                target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer),
+                                   channels);
+            } else if (blended)
                 target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer)), channels);
             else
                 target->store(px, py, layer, source, channels);
