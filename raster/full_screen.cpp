@@ -8,8 +8,7 @@ void write_pixel(const Targets& targets, const BlendState& state, const Pixel& p
         const FormatInfo& format = info(target.format());
         pixel.counters.bytes_written += format.bytes;
         if (format.kind == FormatInfo::Kind::Uint) {
-            target.store_uint(pixel.x, pixel.y, targets.layer, glm::floatBitsToUint(pixel.color[i]), 15,
-                              targets.level);
+            target.store_uint(pixel.x, pixel.y, targets.layer, glm::floatBitsToUint(pixel.color[i]), 15, targets.level);
         } else if (state.enabled) {
             pixel.counters.bytes_read += format.bytes;
             const vec4 old = target.load(pixel.x, pixel.y, targets.layer, targets.level);

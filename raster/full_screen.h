@@ -35,8 +35,8 @@ template <class Body> void for_each_row(Pass& pass, int height, const Body& body
 void write_pixel(const Targets& targets, const BlendState& blend, const Pixel& pixel);
 } // namespace detail
 
-// program(Pixel&) for every pixel of the targets' layer and level (all of one size); what it leaves in pixel.color is blended and
-// stored.
+// program(Pixel&) for every pixel of the targets' layer and level (all of one size); what it leaves in pixel.color is
+// blended and stored.
 template <class Program>
 void full_screen(Pass& pass, const Targets& targets, const Program& program, const BlendState& blend = {}) {
     const Target& first = *targets.color.at(0);

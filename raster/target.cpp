@@ -163,8 +163,7 @@ vec4 Target::convert(const std::byte* at) const {
             value[c] = read<float>(at, c);
             break;
         case Kind::Depth:
-            value[c] =
-                depth_from_key(format_, f.bytes == 2 ? read<std::uint16_t>(at, 0) : read<std::uint32_t>(at, 0));
+            value[c] = depth_from_key(format_, f.bytes == 2 ? read<std::uint16_t>(at, 0) : read<std::uint32_t>(at, 0));
             break;
         default:
             assert(false && "integer and stencil formats go through load_uint");

@@ -1,6 +1,6 @@
 #pragma once
-// Memory that passes render to and programs read from: one format, one or more layers (array slices; a cube is six layers
-// in OpenGL's order of faces +X −X +Y −Y +Z −Z) and one or more mip levels. Level l is max(1, width >> l) by
+// Memory that passes render to and programs read from: one format, one or more layers (array slices; a cube is six
+// layers in OpenGL's order of faces +X −X +Y −Y +Z −Z) and one or more mip levels. Level l is max(1, width >> l) by
 // max(1, height >> l) texels. In memory level 0 comes first; within a level, layer after layer, row after row from the
 // bottom.
 
