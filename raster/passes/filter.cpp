@@ -1,46 +1,12 @@
 #include "raster/passes/filter.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "raster/full_screen.h"
+#include "raster/passes/rows.h"
 
 namespace gnomon {
 namespace {
-
-// Row y of a target as floats, channel by channel, with `reach` copies of the end texels on either side.
-void load_row(const Target& source, int y, int layer, int reach, std::vector<float>& row) {
-    const FormatInfo& format = info(source.format());
-    const int channels = format.channels, width = source.width();
-    row.resize(static_cast<size_t>((width + 2 * reach) * channels));
-    float* first = row.data() + reach * channels;
-    if (format.kind == FormatInfo::Kind::Float) {
-        std::memcpy(first, source.texel(0, y, layer), static_cast<size_t>(width * format.bytes));
-    } else {
-        for (int x = 0; x < width; ++x) {
-            const vec4 value = source.load(x, y, layer);
-            for (int c = 0; c < channels; ++c) first[x * channels + c] = value[c];
-        }
-    }
-    for (int x = 0; x < reach; ++x)
-        for (int c = 0; c < channels; ++c) {
-            row[static_cast<size_t>(x * channels + c)] = first[c];
-            first[(width + x) * channels + c] = first[(width - 1) * channels + c];
-        }
-}
-
-void store_row(Target& destination, int y, int layer, const float* row) {
-    const FormatInfo& format = info(destination.format());
-    if (format.kind == FormatInfo::Kind::Float) {
-        std::memcpy(destination.texel(0, y, layer), row, static_cast<size_t>(destination.width() * format.bytes));
-        return;
-    }
-    for (int x = 0; x < destination.width(); ++x) {
-        vec4 value(0.0f);
-        for (int c = 0; c < format.channels; ++c) value[c] = row[x * format.channels + c];
-        destination.store(x, y, layer, value);
-    }
-}
 
 // sum += weight · values, element by element.
 void accumulate(float* sum, const float* values, float weight, size_t count) {
@@ -58,20 +24,16 @@ void convolve(Pass& pass, const Target& source, Target& destination, std::span<c
     for (int layer = 0; layer < source.layers(); ++layer)
         detail::for_each_row(pass, height, [&](int y, PassCounters& counters) {
             std::vector<float> row, sum(row_floats, 0.0f);
-            if (direction == Direction::Rows) load_row(source, y, layer, reach, row);
+            if (direction == Direction::Rows) detail::load_row(source, y, layer, reach, row);
             for (int k = 0; k < static_cast<int>(weights.size()); ++k) {
                 if (direction == Direction::Columns)
-                    load_row(source, std::clamp(y + k - reach, 0, height - 1), layer, 0, row);
+                    detail::load_row(source, std::clamp(y + k - reach, 0, height - 1), layer, 0, row);
                 const float* first = row.data() + (direction == Direction::Rows ? k * channels : 0);
                 accumulate(sum.data(), first, weights[static_cast<size_t>(k)], row_floats);
             }
-            store_row(destination, y, layer, sum.data());
-            counters.fragments_covered += source.width();
-            counters.fragments_passed += source.width();
-            counters.fragments_shaded += source.width();
-            counters.texels_fetched += taps;
-            counters.bytes_read += taps * info(source.format()).bytes;
-            counters.bytes_written += source.width() * info(destination.format()).bytes;
+            detail::store_row(destination, y, layer, sum.data());
+            detail::count_fragments(counters, source.width(), taps, info(source.format()).bytes,
+                                    info(destination.format()).bytes);
         });
 }
 
