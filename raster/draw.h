@@ -68,6 +68,7 @@ struct FragmentFlags {
     bool discards = false;     // tests wait until it has run
     bool writes_depth = false; // likewise
     bool derivatives = false;  // varyings are evaluated for whole 2×2 quads
+    bool per_sample = false;   // with several samples: runs for each of them, at its position
 };
 
 template <class Program> struct FragmentProgram {

@@ -5,6 +5,9 @@
 #include <cmath>
 
 #include <emmintrin.h>
+#include <fmt/format.h>
+
+#include "core/error.h"
 
 namespace gnomon {
 namespace {
@@ -91,8 +94,9 @@ bool survives(const SetupState& state, const Corners& v, bool mirrored, std::int
     front = ((area > 0) != mirrored) == (state.front_face == FrontFace::CounterClockwise);
     if (state.cull == (front ? Cull::Front : Cull::Back)) return false;
     const Rectangle& d = state.drawable;
-    const auto first_center = [&](std::int32_t fixed) { return (fixed + (state.conservative ? 0 : 127)) >> 8; };
-    const auto last_center = [&](std::int32_t fixed) { return (fixed - (state.conservative ? 0 : 128)) >> 8; };
+    const bool whole_pixels = state.conservative || state.multisampled;
+    const auto first_center = [&](std::int32_t fixed) { return (fixed + (whole_pixels ? 0 : 127)) >> 8; };
+    const auto last_center = [&](std::int32_t fixed) { return (fixed - (whole_pixels ? 0 : 128)) >> 8; };
     box.x0 = std::max(first_center(std::min(std::min(v[0].x, v[1].x), v[2].x)), d.x);
     box.x1 = std::min(last_center(std::max(std::max(v[0].x, v[1].x), v[2].x)), d.x + d.width - 1);
     box.y0 = std::max(first_center(std::min(std::min(v[0].y, v[1].y), v[2].y)), d.y);
@@ -221,6 +225,31 @@ WindowVertex snap(const SetupState& state, const vec4& p, std::uint32_t flags) {
 }
 
 } // namespace
+
+std::span<const glm::ivec2> sample_positions(int samples) {
+    static constexpr std::array<glm::ivec2, 1> one = {{{128, 128}}};
+    static constexpr std::array<glm::ivec2, 4> four = {{{96, 32}, {224, 96}, {32, 160}, {160, 224}}};
+    static constexpr std::array<glm::ivec2, 8> eight = {
+        {{144, 80}, {112, 176}, {208, 144}, {80, 48}, {48, 208}, {16, 112}, {176, 240}, {240, 16}}};
+    switch (samples) {
+    case 1:
+        return one;
+    case 4:
+        return four;
+    case 8:
+        return eight;
+    default:
+        throw UsageError(fmt::format("{} samples per pixel are not possible; 1, 4 and 8 are", samples));
+    }
+}
+
+SetupTriangle seen_by_sample(SetupTriangle t, glm::ivec2 position) {
+    const glm::ivec2 offset = position - 128;
+    for (int e = 0; e < 3; ++e) t.c[e] += t.a[e] * offset.x + t.b[e] * offset.y;
+    t.anchor_x -= offset.x * (1.0 / subpixels); // exact: multiples of 1/256
+    t.anchor_y -= offset.y * (1.0 / subpixels);
+    return t;
+}
 
 WindowVertex to_window(const SetupState& state, const vec4& p) {
     const std::uint32_t outside = outside_frustum(state, p);

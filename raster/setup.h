@@ -51,6 +51,13 @@ struct AttributePlanes {
     Plane inverse_w, second, third, second_linear, third_linear;
 };
 
+// Sample positions in 1/256 pixel from the pixel's lower left corner, in the targets' memory order. [Vulkan 1.3, 25.3
+// "Standard sample locations"; D3D11.3 19.2.4.1]
+std::span<const glm::ivec2> sample_positions(int samples);
+
+// The triangle as one sample sees it: moved so that pixel centres stand for the sample.
+SetupTriangle seen_by_sample(SetupTriangle triangle, glm::ivec2 position);
+
 struct SetupCounts {
     std::int64_t clipped = 0, culled = 0;
 };
@@ -67,6 +74,7 @@ struct SetupState {
     Format depth_format; // decides the unit of the polygon offset
     bool attributes;
     bool conservative;
+    bool multisampled; // boxes hold every pixel with a sample inside, not only centres
 };
 
 // A vertex on the target: snapped position and depth, and which planes it lies outside of. Made once a vertex, used by

@@ -86,6 +86,7 @@ enum class LogicOp : std::uint8_t { Copy, Clear, Set, And, Or, Xor, Invert };
 enum class ProvokingVertex : std::uint8_t { Last, First };
 
 inline constexpr int max_color_targets = 8;
+inline constexpr int max_samples = 8;
 
 struct PipelineState {
     DepthState depth;

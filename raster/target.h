@@ -131,6 +131,8 @@ struct Targets {
     std::vector<Target*> color = {};
     int layer = 0;
     int level = 0;
+    // 1, 4 or 8. The samples of layer L are the layers L·samples to L·samples + samples − 1 of the targets' memory.
+    int samples = 1;
 };
 
 } // namespace gnomon

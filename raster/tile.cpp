@@ -180,8 +180,8 @@ std::uint32_t apply(StencilOp op, std::uint32_t value, std::uint32_t reference, 
 }
 
 // Whether rows of eight 32-bit values can be read and written at once: the block does not stick out of the target.
-bool has_whole_rows(const Target& target, int x) {
-    return info(target.format()).bytes == 4 && x + block_side <= target.width();
+bool has_whole_rows(const Target& target, int x, int level) {
+    return info(target.format()).bytes == 4 && x + block_side <= target.width(level);
 }
 
 // One block of one triangle on its way through the tests. Masks as in block_coverage.
@@ -189,6 +189,7 @@ struct BlockTests {
     const TileDraw& tile;
     const SetupTriangle& triangle;
     int x, y;
+    int layer; // of the targets' memory: that of the sample
     PassCounters& counters;
     const Keys*
         keys; // of the pixels' depths; null where the kernel for whole D32F rows evaluates, tests and writes at once
@@ -207,14 +208,14 @@ struct BlockTests {
 private:
     Target* depth() const { return tile.targets->depth; }
     Target* stencil() const { return tile.state->stencil.enabled ? tile.targets->stencil : nullptr; }
-    int layer() const { return tile.targets->layer; }
+    int level() const { return tile.targets->level; }
     const StencilFace& face() const { return triangle.front ? tile.state->stencil.front : tile.state->stencil.back; }
     std::uint32_t stored(const Target& target, int bit) const {
-        return target.load_key(x + (bit & 7), y + (bit >> 3), layer());
+        return target.load_key(x + (bit & 7), y + (bit >> 3), layer, level());
     }
 
-    bool whole_rows(const Target& target) const { return has_whole_rows(target, x); }
-    template <class T> T* row_of(Target& target, int j) const { return target.row<T>(y + j, layer()) + x; }
+    bool whole_rows(const Target& target) const { return has_whole_rows(target, x, level()); }
+    template <class T> T* row_of(Target& target, int j) const { return target.row<T>(y + j, layer, level()) + x; }
 
     std::uint64_t depth_bounds(std::uint64_t mask) {
         if (!depth() || !tile.state->depth.bounds) return mask;
@@ -252,7 +253,7 @@ private:
         if (!keys) {
             if (state.test == Compare::Always && !state.write) return mask;
             passed = tile.kernels->test_d32f(triangle, x, y, mask, row_of<float>(*depth(), 0),
-                                             static_cast<size_t>(depth()->width()), state.test, state.write);
+                                             static_cast<size_t>(depth()->width(level())), state.test, state.write);
         } else {
             if (state.test != Compare::Always) passed = test_keys(mask);
             if (state.write) write_keys(passed);
@@ -285,7 +286,7 @@ private:
             });
         else
             for_each_pixel(mask, [&](int bit) {
-                depth()->store_key(x + (bit & 7), y + (bit >> 3), layer(), (*keys)[static_cast<size_t>(bit)]);
+                depth()->store_key(x + (bit & 7), y + (bit >> 3), layer, (*keys)[static_cast<size_t>(bit)], level());
             });
     }
 
@@ -296,7 +297,7 @@ private:
         const StencilFace& f = face();
         counters.bytes_written += std::popcount(mask) * bytes;
         const bool counts = op == StencilOp::IncrementWrap || op == StencilOp::DecrementWrap;
-        if (counts && (f.write_mask & maximum) == maximum && x + block_side <= stencil()->width()) {
+        if (counts && (f.write_mask & maximum) == maximum && x + block_side <= stencil()->width(level())) {
             for_each_row(mask, [&](int j, std::uint32_t lanes) {
                 if (bytes == 1)
                     count_row(row_of<std::uint8_t>(*stencil(), j), lanes, op == StencilOp::IncrementWrap);
@@ -308,15 +309,15 @@ private:
         for_each_pixel(mask, [&](int bit) {
             const std::uint32_t old = stored(*stencil(), bit);
             const std::uint32_t fresh = apply(op, old, f.reference, maximum);
-            stencil()->store_key(x + (bit & 7), y + (bit >> 3), layer(),
-                                 (old & ~f.write_mask) | (fresh & f.write_mask));
+            stencil()->store_key(x + (bit & 7), y + (bit >> 3), layer, (old & ~f.write_mask) | (fresh & f.write_mask),
+                                 level());
         });
     }
 };
 
 using Colors = std::array<std::array<vec4, 64>, max_color_targets>;
 
-glm::uvec4 combined(LogicOp op, glm::uvec4 source, const Target& target, int x, int y, int layer) {
+glm::uvec4 combined(LogicOp op, glm::uvec4 source, const Target& target, int x, int y, int layer, int level) {
     switch (op) {
     case LogicOp::Copy:
         return source;
@@ -325,20 +326,20 @@ glm::uvec4 combined(LogicOp op, glm::uvec4 source, const Target& target, int x, 
     case LogicOp::Set:
         return glm::uvec4(0xffffffffu);
     case LogicOp::And:
-        return source & target.load_uint(x, y, layer);
+        return source & target.load_uint(x, y, layer, level);
     case LogicOp::Or:
-        return source | target.load_uint(x, y, layer);
+        return source | target.load_uint(x, y, layer, level);
     case LogicOp::Xor:
-        return source ^ target.load_uint(x, y, layer);
+        return source ^ target.load_uint(x, y, layer, level);
     case LogicOp::Invert:
-        return ~target.load_uint(x, y, layer);
+        return ~target.load_uint(x, y, layer, level);
     }
     return source;
 }
 
-void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const Colors& colors,
+void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const Colors& colors,
                   PassCounters& counters) {
-    const int layer = tile.targets->layer;
+    const int level = tile.targets->level;
     for (size_t c = 0; c < tile.targets->color.size(); ++c) {
         Target* target = tile.targets->color[c];
         const std::uint8_t channels = tile.state->color_mask[c];
@@ -354,85 +355,155 @@ void write_colors(const TileDraw& tile, int x, int y, std::uint64_t mask, const 
             const vec4 source = colors[c][static_cast<size_t>(bit)];
             if (integer) {
                 const glm::uvec4 bits = glm::floatBitsToUint(source);
-                target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer),
-                                   channels);
+                target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer, level),
+                                   channels, level);
             } else if (blended)
-                target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer)), channels);
+                target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer, level)),
+                              channels, level);
             else
-                target->store(px, py, layer, source, channels);
+                target->store(px, py, layer, source, channels, level);
         });
     }
 }
 
-void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int x, int y,
-                std::uint64_t mask, PassCounters& counters) {
-    const Draw& draw = *tile.draw;
-    counters.fragments_covered += std::popcount(mask);
-    const Target* depth_target = tile.targets->depth;
-    const Format depth_format = depth_target ? depth_target->format() : Format::D32F;
-    const bool late_tests = draw.flags.discards || draw.flags.writes_depth;
-    const bool fused = depth_target && depth_format == Format::D32F && has_whole_rows(*depth_target, x) && !late_tests;
-    Depths depth;
-    Keys keys;
-    if (!fused) {
-        tile.kernels->depth(triangle, x, y, mask, depth.data());
-        if (depth_target) quantize_depth(depth_format, mask, depth, keys);
-    }
-    BlockTests tests{tile, triangle, x, y, counters, fused ? nullptr : &keys};
-    if (!draw.fragments) {
-        counters.fragments_passed += std::popcount(tests.run(mask));
-        return;
-    }
+// What one sample of a block has to show: the triangle as it sees it, the pixels it covers, its layer of the targets.
+struct Sample {
+    const SetupTriangle* triangle;
+    std::uint64_t mask;
+    int layer;
+};
 
+// The fragment program on a block, its inputs and outputs.
+struct Shading {
+    const TileDraw& tile;
+    PassCounters& counters;
     Colors colors;
     FragmentBlock block;
-    block.triangle = &triangle;
-    block.attributes = attributes;
-    block.x = x, block.y = y;
-    block.color = &colors;
-    block.counters = &counters;
-    const auto shade = [&](std::uint64_t lanes) {
+
+    Shading(const TileDraw& t, const AttributePlanes* attributes, int x, int y, PassCounters& c)
+        : tile(t), counters(c) {
+        block.attributes = attributes;
+        block.x = x, block.y = y;
+        block.color = &colors;
+        block.counters = &c;
+    }
+    // Runs it for the lanes; returns those that it keeps.
+    std::uint64_t run(const SetupTriangle& triangle, std::uint64_t lanes, const Depths& depth) {
+        block.triangle = &triangle;
         block.mask = lanes;
         for_each_pixel(lanes, [&](int bit) {
             block.depth[static_cast<size_t>(bit)] = static_cast<float>(depth[static_cast<size_t>(bit)]);
         });
         counters.fragments_shaded += std::popcount(lanes);
-        draw.fragments(block, tile.varyings);
+        tile.draw->fragments(block, tile.varyings);
         return block.mask;
-    };
-    std::uint64_t passed;
-    if (late_tests) {
-        const std::uint64_t kept = shade(mask);
-        if (draw.flags.writes_depth && depth_target)
-            for_each_pixel(kept, [&](int bit) {
-                keys[static_cast<size_t>(bit)] =
-                    depth_key(depth_format, static_cast<double>(block.depth[static_cast<size_t>(bit)]));
-            });
-        passed = tests.run(kept);
-    } else {
-        passed = tests.run(mask);
-        if (passed && fused) tile.kernels->depth(triangle, x, y, passed, depth.data());
-        if (passed) shade(passed);
     }
+};
+
+bool tests_wait(const Draw& draw) { return draw.flags.discards || draw.flags.writes_depth; }
+
+// Tests a sample's fragments and counts those that pass. `written` is the program's own depth, or null.
+std::uint64_t test_sample(const TileDraw& tile, const Sample& sample, int x, int y,
+                          const std::array<float, 64>* written, PassCounters& counters) {
+    const Target* target = tile.targets->depth;
+    const bool fused =
+        target && target->format() == Format::D32F && has_whole_rows(*target, x, tile.targets->level) && !written;
+    Keys keys;
+    if (target && written) {
+        for_each_pixel(sample.mask, [&](int bit) {
+            const auto i = static_cast<size_t>(bit);
+            keys[i] = depth_key(target->format(), static_cast<double>((*written)[i]));
+        });
+    } else if (target && !fused) {
+        Depths depth;
+        tile.kernels->depth(*sample.triangle, x, y, sample.mask, depth.data());
+        quantize_depth(target->format(), sample.mask, depth, keys);
+    }
+    BlockTests tests{tile, *sample.triangle, x, y, sample.layer, counters, fused ? nullptr : &keys};
+    const std::uint64_t passed = tests.run(sample.mask);
     counters.fragments_passed += std::popcount(passed);
-    if (passed) write_colors(tile, x, y, passed, colors, counters);
+    return passed;
+}
+
+// A block through tests, program and blending. With several samples the program runs once a pixel, at its centre, for
+// all samples that it is kept in; or, where it asks for that, once a sample, there.
+void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int x, int y,
+                std::span<Sample> samples, PassCounters& counters) {
+    const Draw& draw = *tile.draw;
+    std::uint64_t any = 0;
+    for (const Sample& sample : samples) {
+        counters.fragments_covered += std::popcount(sample.mask);
+        any |= sample.mask;
+    }
+    if (!draw.fragments) {
+        for (const Sample& sample : samples)
+            if (sample.mask) test_sample(tile, sample, x, y, nullptr, counters);
+        return;
+    }
+    if (samples.size() > 1 && draw.flags.per_sample) {
+        for (Sample& sample : samples)
+            if (sample.mask) {
+                counters.fragments_covered -= std::popcount(sample.mask); // counted above
+                draw_block(tile, *sample.triangle, attributes, x, y, std::span(&sample, 1), counters);
+            }
+        return;
+    }
+
+    Shading shading(tile, attributes, x, y, counters);
+    Depths depth;
+    const bool late = tests_wait(draw);
+    if (late) {
+        tile.kernels->depth(triangle, x, y, any, depth.data());
+        const std::uint64_t kept = shading.run(triangle, any, depth);
+        for (Sample& sample : samples) sample.mask &= kept;
+    }
+    any = 0;
+    for (Sample& sample : samples) {
+        const std::array<float, 64>* written = draw.flags.writes_depth ? &shading.block.depth : nullptr;
+        if (sample.mask) sample.mask = test_sample(tile, sample, x, y, written, counters);
+        any |= sample.mask;
+    }
+    if (!any) return;
+    if (!late) {
+        tile.kernels->depth(triangle, x, y, any, depth.data());
+        shading.run(triangle, any, depth);
+    }
+    for (const Sample& sample : samples)
+        if (sample.mask) write_colors(tile, x, y, sample.layer, sample.mask, shading.colors, counters);
 }
 
 } // namespace
 
 void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int tile_x,
                   int tile_y, PassCounters& counters) {
-    const TileEdges edges = rebase(triangle, tile_x, tile_y);
-    if (edges.empty) return;
+    const std::span<const glm::ivec2> positions = sample_positions(tile.targets->samples);
+    const size_t count = positions.size();
+    std::array<SetupTriangle, max_samples> moved; // left alone with one sample
+    std::array<TileEdges, max_samples> edges;
+    std::array<Sample, max_samples> samples;
+    bool empty = true;
+    for (size_t s = 0; s < count; ++s) {
+        if (count > 1) moved[s] = seen_by_sample(triangle, positions[s]);
+        samples[s].triangle = count > 1 ? &moved[s] : &triangle;
+        samples[s].layer = tile.targets->layer * static_cast<int>(count) + static_cast<int>(s);
+        edges[s] = rebase(*samples[s].triangle, tile_x, tile_y);
+        empty = empty && edges[s].empty;
+    }
+    if (empty) return;
     const int x0 = std::max(triangle.x0, tile_x) & ~(block_side - 1);
     const int y0 = std::max(triangle.y0, tile_y) & ~(block_side - 1);
     const int x1 = std::min(triangle.x1, tile_x + tile_side - 1), y1 = std::min(triangle.y1, tile_y + tile_side - 1);
     for (int y = y0; y <= y1; y += block_side)
         for (int x = x0; x <= x1; x += block_side) {
             const int first = std::max(triangle.y0 - y, 0), last = std::min(triangle.y1 - y, block_side - 1);
-            const std::uint64_t mask =
-                tile.kernels->coverage(edges, x - tile_x, y - tile_y, first, last) & box_mask(triangle, x, y);
-            if (mask) draw_block(tile, triangle, attributes, x, y, mask, counters);
+            const std::uint64_t box = box_mask(triangle, x, y);
+            std::uint64_t any = 0;
+            for (size_t s = 0; s < count; ++s) {
+                samples[s].mask =
+                    edges[s].empty ? 0 : tile.kernels->coverage(edges[s], x - tile_x, y - tile_y, first, last) & box;
+                any |= samples[s].mask;
+            }
+            if (any) draw_block(tile, triangle, attributes, x, y, std::span(samples.data(), count), counters);
         }
 }
 
