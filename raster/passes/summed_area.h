@@ -4,9 +4,8 @@
 //
 // SAT(x, y) = Σ over x' ≤ x, y' ≤ y of the map, in one of four arithmetics:
 // * std::int64_t: values rounded to fixed point, exact sums: the reference.
-// * std::uint32_t: the same in 32 bits that wrap around, right for every box whose own sum, border texels whole, is
-// below
-//   2³²; for values that are not negative. [Peters et al. 2016]
+// * std::uint32_t: the same in 32 bits that wrap around, for values that are not negative: right for every box whose
+//   own sum, border texels whole, is below 2³². [Peters et al. 2016]
 // * double: rows from the left, then columns from the bottom.
 // * float: what a GPU gets. Recursive doubling, out(x) = in(x) + in(x − 2^k) for k = 0, 1, …, along rows and then along
 //   columns. At 2048² texels of mean ½ its ulp at the far corner is ¼; `offset` ½ helps.
