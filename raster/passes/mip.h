@@ -4,7 +4,7 @@
 // Level rule: a level has max(1, ⌊n/2⌋) texels along an axis, as in OpenGL. A texel is the mean of the source texels it
 // covers, by area: two equal taps where the source side is even (the 2×2 box); where it is odd, n = 2m + 1, texel i
 // covers [i·n/m, (i + 1)·n/m), three taps weighted (m − i)/n, m/n, (i + 1)/n, so that every level keeps the mean of the
-// map; one tap where the side is 1. [Guthe & Heckbert 2005, "Non-power-of-two mipmapping", for the odd case]
+// map; one tap where the side is 1. [Guthe & Heckbert 2005, "Non-power-of-two mipmap creation", for the odd case]
 // Float throughout: first along columns, bottom up, then along rows, left to right.
 //
 // Cost: one full-screen pass a level and layer; a fragment fetches its 1 to 3 × 1 to 3 taps one by one.

@@ -3,13 +3,12 @@
 // filterable maps get their blocker depths and filters. [Crow 1984; Hensley et al. 2005; Macedo 2018, 2.24]
 //
 // SAT(x, y) = Σ over x' ≤ x, y' ≤ y of the map, in one of four arithmetics:
-//   std::int64_t   values rounded to fixed point: exact sums, the reference
-//   std::uint32_t  the same in 32 bits that wrap around: right for every box whose own sum is below 2³²; for values in
-//                  [0, 1] [Peters et al. 2016]
-//   double         rows from the left, then columns from the bottom
-//   float          what a GPU gets: recursive doubling, out(x) = in(x) + in(x − 2^k) for k = 0, 1, …, along rows and
-//   then
-//                  along columns. At 2048² texels of mean ½ its ulp at the far corner is ¼; `offset` ½ helps.
+// * std::int64_t: values rounded to fixed point, exact sums: the reference.
+// * std::uint32_t: the same in 32 bits that wrap around, for values that are not negative: right for every box whose
+//   own sum, border texels whole, is below 2³². [Peters et al. 2016]
+// * double: rows from the left, then columns from the bottom.
+// * float: what a GPU gets. Recursive doubling, out(x) = in(x) + in(x − 2^k) for k = 0, 1, …, along rows and then along
+//   columns. At 2048² texels of mean ½ its ulp at the far corner is ¼; `offset` ½ helps.
 //
 // Cost: whatever the arithmetic, the recursive doubling of a GPU: ⌈log2 w⌉ + ⌈log2 h⌉ passes, in which a texel with a
 // partner fetches two texels and any other one. The ping-pong copy counts as memory while the table is built.

@@ -23,7 +23,7 @@ template <class T> std::vector<T> random_integers(size_t count, std::uint32_t se
 } // namespace
 
 TEST_CASE("minimum and maximum are those of a plain loop") {
-    const size_t count = GENERATE(1, 7, 4096, 4097, 100003);
+    const auto count = GENERATE(size_t{1}, size_t{7}, size_t{4096}, size_t{4097}, size_t{100003});
     const std::uint32_t seed = 3;
     CAPTURE(count, seed);
     TestPass t;
@@ -107,7 +107,7 @@ TEST_CASE("a reduction takes any map and counts its fetches") {
 }
 
 TEST_CASE("prefix sums of integers are those of a plain loop") {
-    const size_t count = GENERATE(0, 1, 4096, 12289);
+    const auto count = GENERATE(size_t{0}, size_t{1}, size_t{4096}, size_t{12289});
     CAPTURE(count);
     TestPass t;
     const std::vector<std::uint32_t> values = random_integers<std::uint32_t>(count, 7);
