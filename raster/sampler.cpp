@@ -26,16 +26,19 @@ int wrapped(Wrap wrap, int i, int n) {
     return i;
 }
 
-// Whole part of a coordinate in texels, kept within int whatever the input; NaN becomes 0.
-int whole(float texels) {
-    constexpr float limit = 1 << 24;
-    return static_cast<int>(std::floor(texels > -limit ? std::min(texels, limit) : (texels <= -limit ? -limit : 0.0f)));
+// A coordinate in texels as a whole part and a fraction in [0, 1], kept within int whatever the input; NaN becomes 0.
+struct Coordinate {
+    int whole;
+    float fraction;
+};
+Coordinate split(float texels) {
+    constexpr float limit = 1 << 24; // floats beyond are whole
+    if (!(std::abs(texels) < limit)) return {texels > 0 ? 1 << 24 : texels < 0 ? -(1 << 24) : 0, 0.0f};
+    int whole = static_cast<int>(texels); // towards zero: without a call to floor
+    whole -= texels < static_cast<float>(whole);
+    return {whole, texels - static_cast<float>(whole)};
 }
-
-void count(PassCounters& counters, const Target& texture, int texels) {
-    counters.texels_fetched += texels;
-    counters.bytes_read += static_cast<std::int64_t>(texels) * texture.texel_bytes();
-}
+int whole(float texels) { return split(texels).whole; }
 
 bool holds(Compare test, float reference, float stored) {
     switch (test) {
@@ -81,9 +84,9 @@ struct Footprint {
 };
 
 Footprint footprint(vec2 uv, int width, int height, bool subtexel8) {
-    const float u = uv.x * static_cast<float>(width) - 0.5f;
-    const float v = uv.y * static_cast<float>(height) - 0.5f;
-    Footprint f = {whole(u), whole(v), u - std::floor(u), v - std::floor(v)};
+    const Coordinate u = split(uv.x * static_cast<float>(width) - 0.5f);
+    const Coordinate v = split(uv.y * static_cast<float>(height) - 0.5f);
+    Footprint f = {u.whole, v.whole, u.fraction, v.fraction};
     if (subtexel8) {
         f.fx = std::floor(f.fx * 256.0f + 0.5f) / 256.0f;
         f.fy = std::floor(f.fy * 256.0f + 0.5f) / 256.0f;
@@ -108,7 +111,7 @@ struct Plane2d {
         const int i = wrapped(sampler.wrap, x, texture.width(level));
         const int j = wrapped(sampler.wrap_v.value_or(sampler.wrap), y, texture.height(level));
         if (i == outside || j == outside) return sampler.border;
-        count(counters, texture, 1);
+        count_texels(texture, 1, counters);
         return texture.load(i, j, layer, level);
     }
 
@@ -118,9 +121,12 @@ struct Plane2d {
             return map(texel(whole(uv.x * static_cast<float>(width)), whole(uv.y * static_cast<float>(height))));
         const Footprint f = footprint(uv, width, height, sampler.subtexel8);
         if (f.x >= 0 && f.y >= 0 && f.x + 1 < width && f.y + 1 < height) { // the common case wraps nothing
-            count(counters, texture, 4);
-            const auto at = [&](int i, int j) { return map(texture.load(f.x + i, f.y + j, layer, level)); };
-            return bilinear(at(0, 0), at(1, 0), at(0, 1), at(1, 1), f);
+            count_texels(texture, 4, counters);
+            const auto next = static_cast<size_t>(texture.texel_bytes());
+            const std::byte* lower = texture.texel(f.x, f.y, layer, level);
+            const std::byte* upper = lower + next * static_cast<size_t>(width);
+            return bilinear(map(texture.load(lower)), map(texture.load(lower + next)), map(texture.load(upper)),
+                            map(texture.load(upper + next)), f);
         }
         const auto at = [&](int i, int j) { return map(texel(f.x + i, f.y + j)); };
         return bilinear(at(0, 0), at(1, 0), at(0, 1), at(1, 1), f);
@@ -138,7 +144,7 @@ struct CubeLevel {
         const int n = texture.width(level);
         const vec2 uv = point.uv();
         const auto load = [&](const CubeTexel& t) {
-            count(counters, texture, 1);
+            count_texels(texture, 1, counters);
             return map(texture.load(t.x, t.y, first_layer + t.face, level));
         };
         if (filter == Filter::Nearest) {
@@ -367,13 +373,13 @@ bool exists(const Target& texture, int x, int y, int layer, int level) {
 
 vec4 fetch(const Target& texture, int x, int y, int layer, int level, PassCounters& counters) {
     if (!exists(texture, x, y, layer, level)) return vec4(0.0f);
-    count(counters, texture, 1);
+    count_texels(texture, 1, counters);
     return texture.load(x, y, layer, level);
 }
 
 glm::uvec4 fetch_uint(const Target& texture, int x, int y, int layer, int level, PassCounters& counters) {
     if (!exists(texture, x, y, layer, level)) return glm::uvec4(0u);
-    count(counters, texture, 1);
+    count_texels(texture, 1, counters);
     return texture.load_uint(x, y, layer, level);
 }
 

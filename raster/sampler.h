@@ -88,10 +88,15 @@ int array_layer(float coordinate, int layers);
 vec4 fetch(const Target& texture, int x, int y, int layer, int level, PassCounters& counters);
 glm::uvec4 fetch_uint(const Target& texture, int x, int y, int layer, int level, PassCounters& counters);
 
+// For kernels that read rows of a target directly: counts n texels at once.
+inline void count_texels(const Target& texture, std::int64_t n, PassCounters& counters) {
+    counters.texels_fetched += n;
+    counters.bytes_read += n * texture.texel_bytes();
+}
+
 // Depth of texel (x, y) of level 0 as a program fetches it; the texel must exist.
 inline float fetch_depth(const Target& depth, int x, int y, int layer, PassCounters& counters) {
-    ++counters.texels_fetched;
-    counters.bytes_read += depth.texel_bytes();
+    count_texels(depth, 1, counters);
     return depth.depth(x, y, layer);
 }
 

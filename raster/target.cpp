@@ -28,6 +28,13 @@ template <class T> void write(std::byte* bytes, int i, T value) {
     std::memcpy(bytes + static_cast<size_t>(i) * sizeof(T), &value, sizeof(T));
 }
 
+// c/255 for every byte.
+constexpr std::array<float, 256> unorm8 = [] {
+    std::array<float, 256> table{};
+    for (size_t c = 0; c < 256; ++c) table[c] = static_cast<float>(c) / 255.0f;
+    return table;
+}();
+
 } // namespace
 
 void Target::Release::operator()(std::byte* bytes) const {
@@ -153,7 +160,7 @@ vec4 Target::convert(const std::byte* at) const {
     for (int c = 0; c < f.channels; ++c) {
         switch (f.kind) {
         case Kind::Unorm:
-            value[c] = f.bytes == f.channels ? static_cast<float>(read<std::uint8_t>(at, c)) / 255.0f
+            value[c] = f.bytes == f.channels ? unorm8[read<std::uint8_t>(at, c)]
                                              : static_cast<float>(read<std::uint16_t>(at, c)) / 65535.0f;
             break;
         case Kind::Half:

@@ -46,9 +46,9 @@ public:
 
     // Texel values as a program sees them: missing channels are 0, alpha 1. Integer formats go through the _uint
     // functions.
-    vec4 load(int x, int y, int layer = 0, int level = 0) const {
-        const std::byte* at = texel(x, y, layer, level);
-        switch (format_) { // what needs no conversion stays inline
+    vec4 load(int x, int y, int layer = 0, int level = 0) const { return load(texel(x, y, layer, level)); }
+    vec4 load(const std::byte* at) const { // the texel stored there
+        switch (format_) {                 // what needs no conversion stays inline
         case Format::R32F:
         case Format::D32F:
             return {word<float>(at), 0.0f, 0.0f, 1.0f};

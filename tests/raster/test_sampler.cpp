@@ -207,6 +207,51 @@ TEST_CASE("each coordinate has its own wrap mode, and the border blends in by it
     CHECK(sample(target, mirror, {-0.75f, 0.25f}, counters).x == 2.0f);
 }
 
+TEST_CASE("bilinear filtering equals the weighted sum of four fetches, for every format and wrap mode") {
+    const Format format = GENERATE(Format::R32F, Format::RG32F, Format::RGBA32F, Format::RGBA16F, Format::RGBA8,
+                                   Format::RG16, Format::R8);
+    const Wrap wrap = GENERATE(Wrap::Clamp, Wrap::Border, Wrap::Repeat, Wrap::Mirror);
+    std::mt19937 random(17);
+    const auto unit = [&] { return static_cast<float>(random() % 10001) / 10000.0f; };
+    Target target(format, 7, 5, 2, nullptr, 2);
+    for (int level = 0; level < 2; ++level)
+        for (int layer = 0; layer < 2; ++layer)
+            for (int y = 0; y < target.height(level); ++y)
+                for (int x = 0; x < target.width(level); ++x)
+                    target.store(x, y, layer, vec4(unit(), unit(), unit(), unit()), 15, level);
+    const Sampler sampler = {.filter = Filter::Linear, .wrap = wrap, .border = vec4(0.5f), .mip = MipFilter::Nearest};
+    float worst = 0;
+    for (int i = 0; i < 500; ++i) {
+        const int level = static_cast<int>(random() % 2), layer = static_cast<int>(random() % 2);
+        const int w = target.width(level), h = target.height(level);
+        const vec2 uv(unit() * 4 - 1.5f, unit() * 4 - 1.5f);
+        const auto index = [&](int k, int n) { // −1: border
+            if (wrap == Wrap::Clamp) return std::min(std::max(k, 0), n - 1);
+            if (wrap == Wrap::Border) return k < 0 || k >= n ? -1 : k;
+            while (k < 0) k += 2 * n;
+            k %= wrap == Wrap::Repeat ? n : 2 * n;
+            return k < n ? k : 2 * n - 1 - k;
+        };
+        const double u = static_cast<double>(uv.x) * w - 0.5, v = static_cast<double>(uv.y) * h - 0.5;
+        const int x = static_cast<int>(std::floor(u)), y = static_cast<int>(std::floor(v));
+        dvec4 sum(0.0);
+        std::int64_t texels = 0;
+        for (int dy = 0; dy < 2; ++dy)
+            for (int dx = 0; dx < 2; ++dx) {
+                const int a = index(x + dx, w), b = index(y + dy, h);
+                texels += a >= 0 && b >= 0;
+                const vec4 texel = a >= 0 && b >= 0 ? target.load(a, b, layer, level) : vec4(0.5f);
+                sum += dvec4(texel) * ((dx ? u - x : 1 - (u - x)) * (dy ? v - y : 1 - (v - y)));
+            }
+        PassCounters counters;
+        const vec4 got = sample_lod(target, sampler, uv, static_cast<float>(level), counters, layer);
+        for (int c = 0; c < 4; ++c) worst = std::max(worst, std::abs(got[c] - static_cast<float>(sum[c])));
+        REQUIRE(counters.texels_fetched == texels);
+        REQUIRE(counters.bytes_read == texels * info(format).bytes);
+    }
+    CHECK(worst < 5e-6f);
+}
+
 TEST_CASE("weights can be rounded to 1/256 as GPUs do") {
     Target target(Format::R32F, 2, 1);
     target.store(1, 0, 0, vec4(256.0f));
