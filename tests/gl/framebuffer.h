@@ -1,0 +1,51 @@
+#pragma once
+// Render targets in OpenGL that match raster/target.h: the same formats, the same clears, and texels read back as the
+// same integers. Row 0 is the lowest.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "raster/format.h"
+
+namespace gnomon_gl {
+
+struct Surface {
+    int width = 0, height = 0;
+    std::optional<gnomon::Format> depth = gnomon::Format::D24; // D16, D24 or D32F
+    bool stencil = true;                                       // with D24 and D32F only
+    std::vector<gnomon::Format> color = {};
+};
+
+class Framebuffer {
+public:
+    explicit Framebuffer(const Surface& surface);
+    ~Framebuffer();
+    Framebuffer(const Framebuffer&) = delete;
+    Framebuffer& operator=(const Framebuffer&) = delete;
+
+    const Surface& surface() const { return surface_; }
+    void bind() const;
+
+    // Each leaves the masks and the scissor of the context open.
+    void clear_depth(float depth) const;
+    void clear_stencil(std::uint32_t value) const;
+    void clear_color(int index, gnomon::vec4 value) const;
+    void clear_uint(int index, std::uint32_t value) const;
+
+    std::vector<std::uint32_t> depth_keys() const; // as gnomon::depth_key
+    std::vector<std::uint32_t> stencil() const;
+    std::vector<std::uint32_t> uints(int index) const; // first channel
+    std::vector<gnomon::vec4> colors(int index) const; // normalised formats as k/(2^bits − 1)
+    std::uint32_t color_texture(int index) const { return color_[static_cast<size_t>(index)]; }
+    std::uint32_t depth_texture() const { return depth_; }
+
+private:
+    size_t pixels() const { return static_cast<size_t>(surface_.width) * static_cast<size_t>(surface_.height); }
+
+    Surface surface_;
+    std::uint32_t framebuffer_ = 0, depth_ = 0;
+    std::vector<std::uint32_t> color_;
+};
+
+} // namespace gnomon_gl
