@@ -43,7 +43,7 @@ void Target::Release::operator()(std::byte* bytes) const {
 }
 
 int full_level_count(int width, int height) {
-    return std::bit_width(static_cast<unsigned>(std::max({width, height, 1})));
+    return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max({width, height, 1}))));
 }
 
 Target::Target(Format format, int width, int height, int layers, std::shared_ptr<MemoryMeter> meter, int levels)
