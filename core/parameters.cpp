@@ -124,7 +124,8 @@ bool has_range(const ParameterInfo& info) {
 
 void set_parameters(std::span<const BoundParameter> table, void* params, const ParameterText& text,
                     const std::string& owner) {
-    for (const auto& [name, value] : text) {
+    for (const auto& [given_name, value] : text) {
+        const std::string& name = given_name; // for the lambda: Clang 14 captures no structured bindings
         const auto row = std::find_if(table.begin(), table.end(), [&](const auto& p) { return p.info.name == name; });
         if (row == table.end()) {
             std::vector<std::string> names;

@@ -219,13 +219,13 @@ private:
 
     std::uint64_t depth_bounds(std::uint64_t mask) {
         if (!depth() || !tile.state->depth.bounds) return mask;
-        const auto [minimum, maximum] = *tile.state->depth.bounds;
+        const DepthState::Bounds bounds = *tile.state->depth.bounds;
         const Format format = depth()->format();
         counters.bytes_read += std::popcount(mask) * info(format).bytes;
         std::uint64_t inside = mask;
         for_each_pixel(mask, [&](int bit) {
             const float z = depth_from_key(format, stored(*depth(), bit));
-            if (z < minimum || z > maximum) inside &= ~(std::uint64_t{1} << bit);
+            if (z < bounds.minimum || z > bounds.maximum) inside &= ~(std::uint64_t{1} << bit);
         });
         return inside;
     }

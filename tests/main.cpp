@@ -5,8 +5,8 @@
 
 namespace {
 
-// CMake lists tests as one list with semicolons, in which brackets group, and a name is an argument of the program. A name
-// with any of these would swallow the tests after it without a word; so discovery itself fails on it.
+// CMake lists tests as one list with semicolons, in which brackets group, and a name is an argument of the program. A
+// name with any of these would swallow the tests after it without a word; so discovery itself fails on it.
 bool names_are_listable() {
     for (const Catch::TestCase& test : Catch::getAllTestCasesSorted(*Catch::getCurrentContext().getConfig()))
         if (test.name.find_first_of("[];\\\"") != std::string::npos || test.name[0] == '-') {
