@@ -23,14 +23,18 @@ Rectangle intersect(const Rectangle& a, const Rectangle& b) {
 // The common size of all targets.
 ivec2 target_size(const Targets& targets) {
     ivec2 size(0);
+    sample_positions(targets.samples); // throws for an impossible number
     const auto take = [&](const Target* target) {
         if (!target) return;
-        const ivec2 mine(target->width(), target->height());
+        if (targets.level < 0 || targets.level >= target->levels())
+            throw UsageError(fmt::format("a target of {} levels has no level {}", target->levels(), targets.level));
+        const ivec2 mine(target->width(targets.level), target->height(targets.level));
         if (size != ivec2(0) && size != mine)
             throw UsageError(
                 fmt::format("the targets of a draw differ in size: {}x{} and {}x{}", size.x, size.y, mine.x, mine.y));
-        if (targets.layer < 0 || targets.layer >= target->layers())
-            throw UsageError(fmt::format("a target of {} layers has no layer {}", target->layers(), targets.layer));
+        const int layers = target->layers() / targets.samples;
+        if (targets.layer < 0 || targets.layer >= layers)
+            throw UsageError(fmt::format("a target of {} layers has no layer {}", layers, targets.layer));
         size = mine;
     };
     take(targets.depth);
@@ -56,6 +60,8 @@ SetupState setup_state(const Draw& draw, const PipelineState& state, const Targe
     setup.polygon_offset = state.polygon_offset;
     setup.depth_format = targets.depth ? targets.depth->format() : Format::D32F;
     setup.attributes = draw.varying_count > 0;
+    setup.conservative = state.conservative;
+    setup.multisampled = targets.samples > 1;
     return setup;
 }
 
@@ -70,26 +76,30 @@ struct Chunk {
 
 struct Grid {
     int x0, y0, columns, rows; // tiles; tile (0, 0) starts at pixel (0, 0)
+    bool multisampled;
     size_t count() const { return static_cast<size_t>(columns) * static_cast<size_t>(rows); }
 };
 
-// Whether the triangle's edges leave any pixel centre of the tile inside: the corner most inside decides for each edge.
-bool touches(const SetupTriangle& t, int tile_x, int tile_y) {
+// Whether the triangle's edges leave any sample of the tile inside: the corner most inside decides for each edge.
+// Samples lie within half a pixel of the centres.
+bool touches(const SetupTriangle& t, int tile_x, int tile_y, bool multisampled) {
     const std::int64_t left = tile_x * tile_side * 256 + 128, bottom = tile_y * tile_side * 256 + 128;
     constexpr std::int64_t span = (tile_side - 1) * 256;
     for (int e = 0; e < 3; ++e) {
         const std::int64_t x = t.a[e] > 0 ? left + span : left, y = t.b[e] > 0 ? bottom + span : bottom;
-        if (t.a[e] * x + t.b[e] * y + t.c[e] < 0) return false;
+        const std::int64_t beyond_center = multisampled ? 128 * (std::abs(t.a[e]) + std::abs(t.b[e])) : 0;
+        if (t.a[e] * x + t.b[e] * y + t.c[e] + beyond_center < 0) return false;
     }
     return true;
 }
 
 template <class Visit> void for_each_tile(const SetupTriangle& t, const Grid& grid, const Visit& visit) {
-    const int x0 = t.x0 / tile_side, x1 = t.x1 / tile_side, y0 = t.y0 / tile_side, y1 = t.y1 / tile_side;
+    // Boxes lie inside the target, so the shifts are divisions.
+    const int x0 = t.x0 >> tile_shift, x1 = t.x1 >> tile_shift, y0 = t.y0 >> tile_shift, y1 = t.y1 >> tile_shift;
     const bool single = x0 == x1 && y0 == y1;
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x)
-            if (single || touches(t, x, y))
+            if (single || touches(t, x, y, grid.multisampled))
                 visit(static_cast<size_t>(y - grid.y0) * static_cast<size_t>(grid.columns) +
                       static_cast<size_t>(x - grid.x0));
 }
@@ -138,9 +148,11 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     const auto positions = std::make_unique_for_overwrite<vec4[]>(draw.geometry.vertex_count);
     const auto varyings =
         std::make_unique_for_overwrite<float[]>(static_cast<size_t>(draw.varying_count) * draw.geometry.vertex_count);
+    const auto window = std::make_unique_for_overwrite<WindowVertex[]>(draw.geometry.vertex_count);
     parallel_for(draw.geometry.vertex_count, vertex_grain, [&](size_t begin, size_t end) {
         draw.vertices(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), positions.get(),
                       varyings.get());
+        for (size_t i = begin; i < end; ++i) window[i] = to_window(setup, positions[i]);
     });
     if (setup.drawable.width == 0 || setup.drawable.height == 0) {
         counters.culled += static_cast<std::int64_t>(triangles.size());
@@ -149,8 +161,9 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
 
     const Rectangle& d = setup.drawable;
     const int tx0 = d.x / tile_side, ty0 = d.y / tile_side;
-    const Grid grid = {tx0, ty0, (d.x + d.width - 1) / tile_side - tx0 + 1, (d.y + d.height - 1) / tile_side - ty0 + 1};
-    const TileDraw tile_draw = {&draw, &state, &targets, varyings.get()};
+    const Grid grid = {tx0, ty0, (d.x + d.width - 1) / tile_side - tx0 + 1, (d.y + d.height - 1) / tile_side - ty0 + 1,
+                       setup.multisampled};
+    const TileDraw tile_draw = {&draw, &state, &targets, varyings.get(), &kernels()};
     std::vector<Chunk> chunks(chunk_count(std::min(triangles.size(), batch_triangles), chunk_triangles));
     for (size_t first = 0; first < triangles.size(); first += batch_triangles) {
         const size_t count = std::min(batch_triangles, triangles.size() - first);
@@ -159,8 +172,8 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
             chunk.triangles.clear();
             chunk.attributes.clear();
             for (size_t i = first + begin; i < first + end; ++i)
-                set_up_triangle(setup, positions[triangles[i].x], positions[triangles[i].y], positions[triangles[i].z],
-                                static_cast<std::uint32_t>(i), chunk.triangles, chunk.attributes, chunk.counts);
+                set_up_triangle(setup, positions.get(), window.get(), triangles[i], static_cast<std::uint32_t>(i),
+                                chunk.triangles, chunk.attributes, chunk.counts);
             bin(chunk, grid);
         });
         draw_batch(tile_draw, chunks, chunk_count(count, chunk_triangles), grid, counters);

@@ -4,7 +4,12 @@
 //   vertex program     (std::uint32_t vertex) -> Vertex<Varyings>       or -> vec4, where there are no varyings
 //   fragment program   (const Fragment<Varyings>&, FragmentOutput&)     or depth_only
 //
-// Varyings is a struct of floats. The machinery (set-up, bins, tiles, tests, blending) is compiled once in draw.cpp;
+// Varyings is a struct of floats, perspective-correct unless it says otherwise, float by float:
+//   struct V {
+//       float u, id;
+//       static constexpr std::array interpolation = {Interpolation::Linear, Interpolation::Flat};
+//   };
+// The machinery (set-up, bins, tiles, tests, blending) is compiled once in draw.cpp;
 // programs meet it one 8×8 block at a time. Per pixel, primitives take effect in the order they are submitted.
 
 #include <array>
@@ -14,6 +19,7 @@
 #include <functional>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/math.h"
@@ -26,6 +32,8 @@
 namespace gnomon {
 
 struct NoVaryings {};
+
+enum class Interpolation : std::uint8_t { Perspective, Linear, Flat }; // GLSL's smooth, noperspective and flat
 
 template <class V = NoVaryings> struct Vertex {
     vec4 position; // clip space
@@ -60,6 +68,7 @@ struct FragmentFlags {
     bool discards = false;     // tests wait until it has run
     bool writes_depth = false; // likewise
     bool derivatives = false;  // varyings are evaluated for whole 2×2 quads
+    bool per_sample = false;   // with several samples: runs for each of them, at its position
 };
 
 template <class Program> struct FragmentProgram {
@@ -97,17 +106,43 @@ struct Draw {
 
 void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Targets& targets);
 
-// A whole struct of varyings at a pixel, perspective-correct: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float, βi from planes
-// in double.
-template <class V>
-V interpolate(const FragmentBlock& block, const float* v0, const float* v1, const float* v2, int x, int y) {
+template <class V, size_t i> constexpr Interpolation interpolation_of() {
+    if constexpr (requires { V::interpolation; })
+        return V::interpolation[i];
+    else
+        return Interpolation::Perspective;
+}
+
+// The varyings of a triangle's corners in the order of submission, and of its provoking vertex.
+struct CornerVaryings {
+    const float *v0, *v1, *v2, *provoking;
+};
+
+// A whole struct of varyings at a pixel: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float, βi from planes in double.
+template <class V> V interpolate(const FragmentBlock& block, const CornerVaryings& corner, int x, int y) {
     const SetupTriangle& t = *block.triangle;
-    const double w = 1.0 / t.evaluate(block.attributes->inverse_w, x, y);
-    const auto b1 = static_cast<float>(t.evaluate(block.attributes->second, x, y) * w);
-    const auto b2 = static_cast<float>(t.evaluate(block.attributes->third, x, y) * w);
+    const AttributePlanes& planes = *block.attributes;
+    const double w = 1.0 / t.evaluate(planes.inverse_w, x, y);
+    const auto b1 = static_cast<float>(t.evaluate(planes.second, x, y) * w);
+    const auto b2 = static_cast<float>(t.evaluate(planes.third, x, y) * w);
     constexpr size_t count = sizeof(V) / sizeof(float);
     std::array<float, count> values;
-    for (size_t i = 0; i < count; ++i) values[i] = (v0[i] + b1 * (v1[i] - v0[i])) + b2 * (v2[i] - v0[i]);
+    const auto between = [&](size_t i, float second, float third) {
+        const float v0 = corner.v0[i];
+        return (v0 + second * (corner.v1[i] - v0)) + third * (corner.v2[i] - v0);
+    };
+    const auto set = [&]<size_t i>(std::integral_constant<size_t, i>) {
+        constexpr Interpolation how = interpolation_of<V, i>();
+        if constexpr (how == Interpolation::Flat)
+            values[i] = corner.provoking[i];
+        else if constexpr (how == Interpolation::Linear)
+            values[i] = between(i, static_cast<float>(t.evaluate(planes.second_linear, x, y)),
+                                static_cast<float>(t.evaluate(planes.third_linear, x, y)));
+        else
+            values[i] = between(i, b1, b2);
+    };
+    [&]<size_t... i>(std::index_sequence<i...>) { (set(std::integral_constant<size_t, i>{}), ...); }
+    (std::make_index_sequence<count>{});
     return std::bit_cast<V>(values);
 }
 
@@ -120,14 +155,16 @@ template <class V> V difference(const V& a, const V& b) {
 
 template <class V, class Program>
 void shade_block(FragmentBlock& block, const float* varyings, std::span<const uvec3> triangles, FragmentFlags flags,
-                 int color_count, const Program& program) {
+                 ProvokingVertex provoking, int color_count, const Program& program) {
     constexpr bool has_varyings = !std::is_empty_v<V>;
     constexpr size_t stride = has_varyings ? sizeof(V) / sizeof(float) : 0;
     const uvec3 index = triangles[block.triangle->primitive];
+    const std::uint32_t first_or_last = provoking == ProvokingVertex::First ? index.x : index.z;
+    [[maybe_unused]] const CornerVaryings corner = {varyings + index.x * stride, varyings + index.y * stride,
+                                                    varyings + index.z * stride, varyings + first_or_last * stride};
     const auto at = [&]([[maybe_unused]] int x, [[maybe_unused]] int y) -> V {
         if constexpr (has_varyings)
-            return interpolate<V>(block, varyings + index.x * stride, varyings + index.y * stride,
-                                  varyings + index.z * stride, x, y);
+            return interpolate<V>(block, corner, x, y);
         else
             return {};
     };
@@ -192,7 +229,7 @@ void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, cons
     };
     if constexpr (!depth_only_program)
         call.fragments = [&](detail::FragmentBlock& block, const float* varyings) {
-            detail::shade_block<V>(block, varyings, geometry.triangles, fragment_program.flags,
+            detail::shade_block<V>(block, varyings, geometry.triangles, fragment_program.flags, state.provoking_vertex,
                                    static_cast<int>(targets.color.size()), fragment_program.program);
         };
     detail::execute(pass, call, state, targets);

@@ -35,13 +35,14 @@ template <class Body> void for_each_row(Pass& pass, int height, const Body& body
 void write_pixel(const Targets& targets, const BlendState& blend, const Pixel& pixel);
 } // namespace detail
 
-// program(Pixel&) for every pixel of the colour targets (all of one size); what it leaves in pixel.color is blended and
-// stored.
+// program(Pixel&) for every pixel of the targets' layer and level (all of one size); what it leaves in pixel.color is
+// blended and stored.
 template <class Program>
 void full_screen(Pass& pass, const Targets& targets, const Program& program, const BlendState& blend = {}) {
     const Target& first = *targets.color.at(0);
-    detail::for_each_row(pass, first.height(), [&](int y, PassCounters& counters) {
-        for (int x = 0; x < first.width(); ++x) {
+    const int width = first.width(targets.level);
+    detail::for_each_row(pass, first.height(targets.level), [&](int y, PassCounters& counters) {
+        for (int x = 0; x < width; ++x) {
             Pixel pixel{x, y, counters};
             program(pixel);
             ++counters.fragments_covered;

@@ -45,10 +45,18 @@ struct SetupTriangle {
     }
 };
 
-// What perspective-correct interpolation needs: 1/w and the second and third barycentric coordinate over w, as planes.
+// What interpolation needs, as planes: 1/w, the second and third barycentric coordinate over w (perspective), and the
+// two as they are (linear in the window).
 struct AttributePlanes {
-    Plane inverse_w, second, third;
+    Plane inverse_w, second, third, second_linear, third_linear;
 };
+
+// Sample positions in 1/256 pixel from the pixel's lower left corner, in the targets' memory order. [Vulkan 1.3, 25.3
+// "Standard sample locations"; D3D11.3 19.2.4.1]
+std::span<const glm::ivec2> sample_positions(int samples);
+
+// The triangle as one sample sees it: moved so that pixel centres stand for the sample.
+SetupTriangle seen_by_sample(SetupTriangle triangle, glm::ivec2 position);
 
 struct SetupCounts {
     std::int64_t clipped = 0, culled = 0;
@@ -65,12 +73,26 @@ struct SetupState {
     PolygonOffset polygon_offset;
     Format depth_format; // decides the unit of the polygon offset
     bool attributes;
+    bool conservative;
+    bool multisampled; // boxes hold every pixel with a sample inside, not only centres
 };
 
-// Appends the set-up triangles of one clip-space triangle: none, one, or a fan where it is clipped. `attributes` grows
-// in step where the state asks for it.
-void set_up_triangle(const SetupState& state, const vec4& p0, const vec4& p1, const vec4& p2, std::uint32_t primitive,
-                     std::vector<SetupTriangle>& triangles, std::vector<AttributePlanes>& attributes,
-                     SetupCounts& counts);
+// A vertex on the target: snapped position and depth, and which planes it lies outside of. Made once a vertex, used by
+// all of its triangles.
+struct WindowVertex {
+    std::int32_t x, y; // 1/256 pixels; meaningless where the vertex needs clipping
+    float z;
+    std::uint32_t flags; // outside_* and needs_clip
+};
+inline constexpr std::uint32_t outside_mask = 63; // one bit for each of the six frustum planes
+inline constexpr std::uint32_t needs_clip = 64;   // beyond near or far (unless depth clamp), or beyond the guard band
+
+WindowVertex to_window(const SetupState& state, const vec4& clip_position);
+
+// Appends the set-up triangles of the triangle `index` over the vertices: none, one, or a fan where it is clipped.
+// `attributes` grows in step where the state asks for it.
+void set_up_triangle(const SetupState& state, const vec4* positions, const WindowVertex* window, const uvec3& index,
+                     std::uint32_t primitive, std::vector<SetupTriangle>& triangles,
+                     std::vector<AttributePlanes>& attributes, SetupCounts& counts);
 
 } // namespace gnomon

@@ -79,7 +79,14 @@ struct BlendState {
     }
 };
 
+// What integer targets do with a fragment's bits instead of blending.
+enum class LogicOp : std::uint8_t { Copy, Clear, Set, And, Or, Xor, Invert };
+
+// Which vertex of a triangle flat varyings come from; OpenGL's default is the last.
+enum class ProvokingVertex : std::uint8_t { Last, First };
+
 inline constexpr int max_color_targets = 8;
+inline constexpr int max_samples = 8;
 
 struct PipelineState {
     DepthState depth;
@@ -91,6 +98,11 @@ struct PipelineState {
     std::optional<Rectangle> scissor = {};
     ClipDepth clip_depth = ClipDepth::NegativeOneToOne;
     BlendState blend;
+    LogicOp logic_op = LogicOp::Copy;
+    ProvokingVertex provoking_vertex = ProvokingVertex::Last;
+    // Every pixel that the triangle's inside touches counts as covered: edges move out by half a pixel, within the box
+    // of the triangle. Triangles without area stay culled. [NV_conservative_raster; D3D11.3 15.17, tier 1]
+    bool conservative = false;
     std::array<std::uint8_t, max_color_targets> color_mask = {15, 15, 15, 15, 15, 15, 15, 15}; // bits R, G, B, A
 };
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 
+#include "core/error.h"
 #include "core/image.h"
 #include "core/parallel.h"
 
@@ -27,6 +28,13 @@ template <class T> void write(std::byte* bytes, int i, T value) {
     std::memcpy(bytes + static_cast<size_t>(i) * sizeof(T), &value, sizeof(T));
 }
 
+// c/255 for every byte.
+constexpr std::array<float, 256> unorm8 = [] {
+    std::array<float, 256> table{};
+    for (size_t c = 0; c < 256; ++c) table[c] = static_cast<float>(c) / 255.0f;
+    return table;
+}();
+
 } // namespace
 
 void Target::Release::operator()(std::byte* bytes) const {
@@ -34,17 +42,31 @@ void Target::Release::operator()(std::byte* bytes) const {
     if (meter) meter->release(static_cast<std::int64_t>(size));
 }
 
-Target::Target(Format format, int width, int height, int layers, std::shared_ptr<MemoryMeter> meter)
-    : format_(format), width_(width), height_(height), layers_(layers),
+int full_level_count(int width, int height) {
+    return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max({width, height, 1}))));
+}
+
+Target::Target(Format format, int width, int height, int layers, std::shared_ptr<MemoryMeter> meter, int levels)
+    : format_(format), width_(width), height_(height), layers_(layers), levels_(levels),
       texel_bytes_(static_cast<size_t>(info(format).bytes)) {
     check_image_size(width, height, "render target");
-    size_ = static_cast<size_t>(width) * static_cast<size_t>(height) * static_cast<size_t>(layers) * texel_bytes_;
+    if (layers < 1) throw UsageError(fmt::format("a render target of {} layers is not possible", layers));
+    if (levels < 1 || levels > full_level_count(width, height))
+        throw UsageError(fmt::format("a render target of {}x{} has between 1 and {} mip levels, not {}", width, height,
+                                     full_level_count(width, height), levels));
+    size_ = level_begin(levels);
     const bool huge = size_ >= huge_page;
     auto* bytes = static_cast<std::byte*>(::operator new[](size_, std::align_val_t(huge ? huge_page : alignment)));
     if (meter) meter->allocate(static_cast<std::int64_t>(size_));
     bytes_ = {bytes, Release{size_, std::move(meter)}};
     if (huge) madvise(bytes, size_, MADV_HUGEPAGE);
     parallel_for(size_, huge_page, [&](size_t begin, size_t end) { std::memset(bytes + begin, 0, end - begin); });
+}
+
+size_t Target::level_begin(int level) const {
+    size_t texels = 0;
+    for (int l = 0; l < level; ++l) texels += static_cast<size_t>(width(l)) * static_cast<size_t>(height(l));
+    return texels * static_cast<size_t>(layers_) * texel_bytes_;
 }
 
 template <class Fill> void Target::fill_rows(Pass& pass, const Fill& fill_texel) {
@@ -132,14 +154,13 @@ void Target::clear_uint(Pass& pass, std::uint32_t value) {
     fill_rows(pass, [&](std::byte* at) { store_texel_uint(format_, at, glm::uvec4(value), 15); });
 }
 
-vec4 Target::load(int x, int y, int layer) const {
-    const std::byte* at = texel(x, y, layer);
+vec4 Target::convert(const std::byte* at) const {
     const FormatInfo& f = info(format_);
     vec4 value(0.0f, 0.0f, 0.0f, 1.0f);
     for (int c = 0; c < f.channels; ++c) {
         switch (f.kind) {
         case Kind::Unorm:
-            value[c] = f.bytes == f.channels ? static_cast<float>(read<std::uint8_t>(at, c)) / 255.0f
+            value[c] = f.bytes == f.channels ? unorm8[read<std::uint8_t>(at, c)]
                                              : static_cast<float>(read<std::uint16_t>(at, c)) / 65535.0f;
             break;
         case Kind::Half:
@@ -149,7 +170,7 @@ vec4 Target::load(int x, int y, int layer) const {
             value[c] = read<float>(at, c);
             break;
         case Kind::Depth:
-            value[c] = depth(x, y, layer);
+            value[c] = depth_from_key(format_, f.bytes == 2 ? read<std::uint16_t>(at, 0) : read<std::uint32_t>(at, 0));
             break;
         default:
             assert(false && "integer and stencil formats go through load_uint");
@@ -158,12 +179,12 @@ vec4 Target::load(int x, int y, int layer) const {
     return value;
 }
 
-void Target::store(int x, int y, int layer, vec4 value, std::uint8_t mask) {
-    store_texel(format_, texel(x, y, layer), value, mask);
+void Target::store(int x, int y, int layer, vec4 value, std::uint8_t mask, int level) {
+    store_texel(format_, texel(x, y, layer, level), value, mask);
 }
 
-glm::uvec4 Target::load_uint(int x, int y, int layer) const {
-    const std::byte* at = texel(x, y, layer);
+glm::uvec4 Target::load_uint(int x, int y, int layer, int level) const {
+    const std::byte* at = texel(x, y, layer, level);
     glm::uvec4 value(0u, 0u, 0u, 1u);
     for (int c = 0; c < info(format_).channels; ++c) {
         switch (format_) {
@@ -184,24 +205,12 @@ glm::uvec4 Target::load_uint(int x, int y, int layer) const {
     return value;
 }
 
-void Target::store_uint(int x, int y, int layer, glm::uvec4 value, std::uint8_t mask) {
-    store_texel_uint(format_, texel(x, y, layer), value, mask);
+void Target::store_uint(int x, int y, int layer, glm::uvec4 value, std::uint8_t mask, int level) {
+    store_texel_uint(format_, texel(x, y, layer, level), value, mask);
 }
 
-std::uint32_t Target::load_key(int x, int y, int layer) const {
-    const std::byte* at = texel(x, y, layer);
-    switch (texel_bytes_) {
-    case 1:
-        return read<std::uint8_t>(at, 0);
-    case 2:
-        return read<std::uint16_t>(at, 0);
-    default:
-        return read<std::uint32_t>(at, 0);
-    }
-}
-
-void Target::store_key(int x, int y, int layer, std::uint32_t key) {
-    std::byte* at = texel(x, y, layer);
+void Target::store_key(int x, int y, int layer, std::uint32_t key, int level) {
+    std::byte* at = texel(x, y, layer, level);
     switch (texel_bytes_) {
     case 1:
         write(at, 0, static_cast<std::uint8_t>(key));

@@ -3,11 +3,13 @@
 // step.
 
 #include "raster/draw.h"
+#include "raster/kernels.h"
 
 namespace gnomon::detail {
 
-inline constexpr int tile_side = 64; // pixels: every edge function that crosses a tile fits 32 bits (setup.h)
-inline constexpr int block_side = 8;
+inline constexpr int tile_shift = 6;
+inline constexpr int tile_side =
+    1 << tile_shift; // pixels: every edge function that crosses a tile fits 32 bits (setup.h)
 
 // What is the same for all triangles of a draw.
 struct TileDraw {
@@ -15,6 +17,7 @@ struct TileDraw {
     const PipelineState* state;
     const Targets* targets;
     const float* varyings;
+    const Kernels* kernels;
 };
 
 // Draws the part of the triangle inside the tile whose lower left pixel is (tile_x, tile_y). Adds the fragment and byte

@@ -6,7 +6,9 @@
 #include <random>
 
 #include "core/camera.h"
+#include "raster/kernels.h"
 #include "tests/raster/scalar.h"
+#include "tests/support.h"
 
 using namespace gnomon;
 using namespace gnomon_tests;
@@ -51,6 +53,17 @@ FixedTriangle random_triangle(std::mt19937& random) {
     return t;
 }
 
+// CTest runs the cases tagged [bits] once for each instruction set; one that the machine lacks is skipped.
+bool machine_has_isa() {
+    try {
+        detail::kernels();
+        return true;
+    } catch (const UsageError& error) {
+        skip(error.what());
+        return false;
+    }
+}
+
 struct Drawing {
     PassLog log;
     Target depth{Format::D32F, side, side}, stencil{Format::S8, side, side}, ids{Format::R32UI, side, side};
@@ -86,7 +99,8 @@ PipelineState counting_state() {
 
 } // namespace
 
-TEST_CASE("the tile path equals the scalar specification bit for bit") {
+TEST_CASE("the tile path equals the scalar specification bit for bit", "[bits]") {
+    if (!machine_has_isa()) return;
     const unsigned seed = GENERATE(1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u);
     INFO("seed " << seed);
     std::mt19937 random(seed);
@@ -131,7 +145,8 @@ TEST_CASE("the tile path equals the scalar specification bit for bit") {
     CHECK(d.log.passes.back().fragments_shaded == passed);
 }
 
-TEST_CASE("a shared edge draws every pixel exactly once") {
+TEST_CASE("a shared edge draws every pixel exactly once", "[bits]") {
+    if (!machine_has_isa()) return;
     const unsigned seed = GENERATE(11u, 12u, 13u);
     INFO("seed " << seed);
     std::mt19937 random(seed);
@@ -188,7 +203,8 @@ TEST_CASE("results and counters do not depend on the number of threads") {
     }
 }
 
-TEST_CASE("depth does not depend on winding or on the first vertex") {
+TEST_CASE("depth does not depend on winding or on the first vertex", "[bits]") {
+    if (!machine_has_isa()) return;
     std::mt19937 random(5);
     for (int i = 0; i < 200; ++i) {
         const FixedTriangle t = random_triangle(random);

@@ -1,0 +1,44 @@
+#pragma once
+// The innermost loops of the tile rasterizer, compiled for several instruction sets and chosen once at run time:
+// AVX-512, AVX2, or plain. All give the same bits: integers, and IEEE operations in one written order without
+// contraction. The environment variable GNOMON_ISA=avx512|avx2|plain forces one.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "raster/setup.h"
+
+namespace gnomon::detail {
+
+inline constexpr int block_side = 8;
+
+// The three edge functions rebased to a tile: ⌊E/256⌋ at its lower left pixel, stepping by a and b per pixel. Pixel
+// centres are 256 apart, so the remainder is the same everywhere and the sign of the floor is the sign of E. An edge
+// with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
+struct TileEdges {
+    std::int32_t base[3], a[3], b[3];
+    bool empty = false;
+};
+
+// In all of them bit 8·j + i of a mask stands for pixel (x + i, y + j) of an 8×8 block.
+struct Kernels {
+    const char* name;
+
+    // Pixels of the block at (x, y), relative to the tile, inside all three edges; rows outside [first, last] are not
+    // looked at.
+    std::uint64_t (*coverage)(const TileEdges& edges, int x, int y, int first, int last);
+
+    // Window depth of every row that has a pixel in the mask: the plane in double, clamped to the triangle's own range,
+    // offset, clamped to [0, 1].
+    void (*depth)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, double* depth);
+
+    // Depth test of a D32F block whose lower left value is at `stored`, rows `stride` floats apart: the pixels of the
+    // mask that pass; their depth is stored if `write`.
+    std::uint64_t (*test_d32f)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, float* stored,
+                               std::size_t stride, Compare test, bool write);
+};
+
+// Throws UsageError where GNOMON_ISA names no instruction set, or one that this machine lacks.
+const Kernels& kernels();
+
+} // namespace gnomon::detail
