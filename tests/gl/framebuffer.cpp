@@ -173,4 +173,18 @@ std::vector<gnomon::vec4> Framebuffer::colors(int index) const {
     return values;
 }
 
+void Framebuffer::upload_depth(std::span<const float> values) const {
+    glTextureSubImage2D(depth_, 0, 0, 0, surface_.width, surface_.height, GL_DEPTH_COMPONENT, GL_FLOAT, values.data());
+}
+
+void Framebuffer::upload_color(int index, std::span<const gnomon::vec4> values) const {
+    glTextureSubImage2D(color_[static_cast<size_t>(index)], 0, 0, 0, surface_.width, surface_.height, GL_RGBA, GL_FLOAT,
+                        values.data());
+}
+
+void Framebuffer::bind_depth_texture(unsigned unit) const { glBindTextureUnit(unit, depth_); }
+void Framebuffer::bind_color_texture(int index, unsigned unit) const {
+    glBindTextureUnit(unit, color_[static_cast<size_t>(index)]);
+}
+
 } // namespace gnomon_gl

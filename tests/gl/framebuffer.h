@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "raster/format.h"
@@ -37,8 +38,12 @@ public:
     std::vector<std::uint32_t> stencil() const;
     std::vector<std::uint32_t> uints(int index) const; // first channel
     std::vector<gnomon::vec4> colors(int index) const; // normalised formats as k/(2^bits − 1)
-    std::uint32_t color_texture(int index) const { return color_[static_cast<size_t>(index)]; }
-    std::uint32_t depth_texture() const { return depth_; }
+
+    // Fills a target from memory, and lends it to programs as the texture of a unit.
+    void upload_depth(std::span<const float> values) const;
+    void upload_color(int index, std::span<const gnomon::vec4> values) const;
+    void bind_depth_texture(unsigned unit) const;
+    void bind_color_texture(int index, unsigned unit) const;
 
 private:
     size_t pixels() const { return static_cast<size_t>(surface_.width) * static_cast<size_t>(surface_.height); }
