@@ -28,14 +28,15 @@ constexpr Check checks[] = {
     {"meshes", check_meshes, "real meshes under random cameras: the same pixels but for rounded vertices"},
     {"clipping", check_clipping, "triangles across the near plane and far off screen"},
     {"depth", check_depth, "distance of depth from the exact plane, ours and theirs"},
-    {"volumes", check_volumes, "stencil volumes over interpolated depth"},
+    {"volumes", check_volumes, "stencil volumes over interpolated depth, nothing clipped"},
+    {"infinite-volumes", check_infinite_volumes, "the same with volumes that reach to infinity"},
     {"states", check_states, "depth functions, clamp, polygon offset, scissor, viewport, culling, masks"},
     {"blending", check_blending, "factors and operations on normalised, half and float targets"},
 };
 
 int usage() {
     fmt::print(stderr, "usage: gnomon-conformance [--gpu] [--soak FACTOR] [--seed N] [CHECK...]\nchecks:\n");
-    for (const Check& check : checks) fmt::print(stderr, "  {:<10} {}\n", check.name, check.what);
+    for (const Check& check : checks) fmt::print(stderr, "  {:<17} {}\n", check.name, check.what);
     return 2;
 }
 

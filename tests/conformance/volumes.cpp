@@ -1,5 +1,6 @@
-// Shadow volumes counted behind the visible surface (z-fail) in 8 bits of stencil. Volumes reach to infinity, so both
-// sides clip them, and counts depend on interpolated depth; where the two differ, planes in double precision judge.
+// Shadow volumes counted behind the visible surface (z-fail) in 8 bits of stencil: counts depend on interpolated depth,
+// and where the two differ, planes in extended precision judge. Volumes to infinity are clipped as well, by each side
+// in its own way, which moves their faces by a sub-pixel step; finite ones inside the viewport show depth alone.
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include "tests/conformance/exact_depth.h"
 #include "tests/conformance/explain.h"
 #include "tests/conformance/scenes.h"
+#include "tests/conformance/triangles.h"
 #include "tests/raster/scalar.h"
 
 namespace gnomon_conformance {
@@ -62,10 +64,18 @@ std::uint32_t exact_count(Batch& batch, const ShadowVolume& volume, const Rectan
     return static_cast<std::uint32_t>(count) & 0xff;
 }
 
-Batch in_clip_space(const ShadowVolume& volume, const mat4& to_clip) {
+// `reach` metres behind each caster, or to infinity.
+Batch in_clip_space(const ShadowVolume& volume, const mat4& to_clip, std::optional<float> reach) {
     Batch batch;
-    const auto vertices = static_cast<std::uint32_t>(2 * volume.finite.size());
-    for (std::uint32_t i = 0; i < vertices; ++i) batch.positions.push_back(volume.vertex(i, to_clip));
+    const auto finite = static_cast<std::uint32_t>(volume.finite.size());
+    for (std::uint32_t i = 0; i < 2 * finite; ++i) {
+        if (i >= finite && reach) {
+            const vec3 p = volume.finite[i - finite];
+            batch.positions.push_back(transform(to_clip, p + *reach * glm::normalize(p - vec3(volume.light))));
+        } else {
+            batch.positions.push_back(volume.vertex(i, to_clip));
+        }
+    }
     return batch;
 }
 
@@ -81,15 +91,23 @@ std::optional<std::uint32_t> certain_count(Batch& batch, const ShadowVolume& vol
 
 enum class Count { Behind, Everything };
 
-void draw_both(Duel& duel, const ShadowVolume& volume, const mat4& to_clip, Count count) {
+struct Case {
+    const ShadowVolume& volume;
+    Batch vertices;
+    Rectangle viewport;
+};
+
+void draw_both(Duel& duel, const Case& c, Count count) {
+    const ShadowVolume& volume = c.volume;
     // The scene is drawn as the volumes' near caps, so that the two coincide in any arithmetic.
-    Batch batch = in_clip_space(volume, to_clip);
+    Batch batch = c.vertices;
     PipelineState state;
+    state.viewport = c.viewport;
     state.depth = {.test = Compare::Less, .write = true, .clamp = true};
     batch.triangles = volume.near_caps;
     duel.clear();
     duel.draw(batch, state);
-    if (count == Count::Everything) state = counting_state(), state.depth.clamp = true;
+    if (count == Count::Everything) state = counting_state(), state.depth.clamp = true, state.viewport = c.viewport;
     state.depth.write = false;
     state.stencil.enabled = true;
     if (count == Count::Behind) {
@@ -106,20 +124,20 @@ struct Tally {
     std::int64_t pixels = 0, coverage = 0, differ = 0, uncertain = 0, ours = 0, theirs = 0, neither = 0;
 };
 
-void compare(Duel& duel, const ShadowVolume& volume, const mat4& to_clip, Tally& tally) {
-    draw_both(duel, volume, to_clip, Count::Everything);
+void compare(Duel& duel, const Case& c, Tally& tally) {
+    draw_both(duel, c, Count::Everything);
     const Picture all_ours = duel.ours(), all_theirs = duel.witness();
-    draw_both(duel, volume, to_clip, Count::Behind);
+    draw_both(duel, c, Count::Behind);
     const Picture a = duel.ours(), b = duel.witness();
-    Batch batch = in_clip_space(volume, to_clip);
+    Batch batch = c.vertices;
     const auto width = static_cast<size_t>(duel.width());
     for (size_t k = 0; k < duel.pixels(); ++k) {
         ++tally.pixels;
         tally.coverage += all_ours.stencil[k] != all_theirs.stencil[k];
         if (a.stencil[k] == b.stencil[k]) continue;
         ++tally.differ;
-        const auto exact = certain_count(batch, volume, {0, 0, duel.width(), duel.height()},
-                                         ivec2(static_cast<int>(k % width), static_cast<int>(k / width)));
+        const auto exact =
+            certain_count(batch, c.volume, c.viewport, ivec2(static_cast<int>(k % width), static_cast<int>(k / width)));
         if (!exact)
             ++tally.uncertain;
         else if (*exact == a.stencil[k])
@@ -140,10 +158,28 @@ Camera camera_of(const Scene& scene, int n, Random& random) {
     return camera;
 }
 
-} // namespace
+void judge(Verdict& verdict, const std::string& name, const Tally& tally) {
+    verdict.figure(fmt::format("{}: of {} pixels {} differ in what covers them", name, tally.pixels, tally.coverage));
+    verdict.require(
+        fraction(tally.differ, tally.pixels) <= 1e-4 && tally.theirs + tally.neither == 0,
+        fmt::format("{}: {} of {} pixels differ in count ({:.1e}); exact planes call ours right at {}, theirs "
+                    "at {}, neither at {}; at {} a sub-pixel step of a clipped vertex decides",
+                    name, tally.differ, tally.pixels, fraction(tally.differ, tally.pixels), tally.ours, tally.theirs,
+                    tally.neither, tally.uncertain));
+}
 
-bool check_volumes(const Options& options) {
-    Verdict verdict("volumes");
+// Volumes that end within twice the scene's radius, all of it inside a viewport around the target: nothing is clipped.
+Case unclipped_case(const ShadowVolume& volume, const Scene& scene, const Duel& duel, Random& random) {
+    Scene around;
+    const vec3 margin(0.58f * scene.bounds.diagonal()); // the half diagonal of a cube of this is 2 radii
+    around.bounds.extend(scene.bounds.center() - margin);
+    around.bounds.extend(scene.bounds.center() + margin);
+    const mat4 to_clip = random_view(around, static_cast<double>(duel.width()) / duel.height(), 1.6f, random);
+    return {volume, in_clip_space(volume, to_clip, 0.5f * scene.bounds.diagonal()),
+            wide_viewport(duel.width(), duel.height())};
+}
+
+bool check(Verdict verdict, const Options& options, bool infinite) {
     Random random(options.seed + 5);
     for (const char* name : {"builtin:default", "builtin:tree", "armadillo"}) {
         const std::optional<Scene> scene = find_scene(name);
@@ -151,26 +187,27 @@ bool check_volumes(const Options& options) {
             verdict.skip(fmt::format("{}: not among the shared scenes here", name));
             continue;
         }
+        Duel duel({.width = 640, .height = 360, .depth = Format::D32F});
         Tally tally;
         for (int i = 0; i < options.repeat(2); ++i) {
-            constexpr int width = 640, height = 360;
             const Camera camera = camera_of(*scene, i, random);
-            Frame frame(*scene, camera, width, height);
+            Frame frame(*scene, camera, duel.width(), duel.height());
             const ShadowVolume volume = build_shadow_volume(frame, scene->lights.front());
-            if (volume.light.w == 0) continue; // every built-in light here has a place
+            if (volume.light.w == 0) continue; // a directional light has no place to extrude from
             const mat4 to_clip(infinite_projection_matrix(camera, frame.aspect()) * view_matrix(camera));
-            Duel duel({.width = width, .height = height, .depth = Format::D32F});
-            compare(duel, volume, to_clip, tally);
+            compare(duel,
+                    infinite ? Case{volume, in_clip_space(volume, to_clip, {}), {0, 0, duel.width(), duel.height()}}
+                             : unclipped_case(volume, *scene, duel, random),
+                    tally);
         }
-        verdict.figure(fmt::format("{}: of {} pixels {} differ in what covers them, by clipping", name, tally.pixels,
-                                   tally.coverage));
-        verdict.require(fraction(tally.differ, tally.pixels) <= 1e-4 && tally.theirs + tally.neither == 0,
-                        fmt::format("{}: {} of {} pixels differ in count ({:.1e}); exact planes call ours right at {}, "
-                                    "theirs at {}, neither at {}; at {} a sub-pixel step decides",
-                                    name, tally.differ, tally.pixels, fraction(tally.differ, tally.pixels), tally.ours,
-                                    tally.theirs, tally.neither, tally.uncertain));
+        judge(verdict, name, tally);
     }
     return verdict.held();
 }
+
+} // namespace
+
+bool check_volumes(const Options& options) { return check(Verdict("volumes"), options, false); }
+bool check_infinite_volumes(const Options& options) { return check(Verdict("infinite-volumes"), options, true); }
 
 } // namespace gnomon_conformance
