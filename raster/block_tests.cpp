@@ -2,30 +2,10 @@
 
 #include <emmintrin.h>
 
+#include "raster/compare.h"
+
 namespace gnomon::detail {
 namespace {
-
-bool compare(Compare test, std::uint32_t fresh, std::uint32_t stored) {
-    switch (test) {
-    case Compare::Never:
-        return false;
-    case Compare::Less:
-        return fresh < stored;
-    case Compare::Equal:
-        return fresh == stored;
-    case Compare::LessEqual:
-        return fresh <= stored;
-    case Compare::Greater:
-        return fresh > stored;
-    case Compare::NotEqual:
-        return fresh != stored;
-    case Compare::GreaterEqual:
-        return fresh >= stored;
-    case Compare::Always:
-        return true;
-    }
-    return true;
-}
 
 // Four lanes of a bit mask as all-ones words.
 __m128i lane_mask(std::uint32_t lanes, int shift) {
@@ -169,7 +149,7 @@ private:
         if (f.test == Compare::Always) return mask;
         std::uint64_t passed = mask;
         for_each_pixel(mask, [&](int bit) {
-            if (!compare(f.test, f.reference & f.read_mask, stored(*stencil(), bit) & f.read_mask))
+            if (!holds(f.test, f.reference & f.read_mask, stored(*stencil(), bit) & f.read_mask))
                 passed &= ~(std::uint64_t{1} << bit);
         });
         return passed;
@@ -204,7 +184,7 @@ private:
             });
         } else {
             for_each_pixel(mask, [&](int bit) {
-                if (!compare(test, (*keys)[static_cast<size_t>(bit)], stored(*depth(), bit)))
+                if (!holds(test, (*keys)[static_cast<size_t>(bit)], stored(*depth(), bit)))
                     passed &= ~(std::uint64_t{1} << bit);
             });
         }

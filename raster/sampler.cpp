@@ -1,4 +1,5 @@
 #include "raster/sampler.h"
+#include "raster/compare.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,28 +40,6 @@ Coordinate split(float texels) {
     return {whole, texels - static_cast<float>(whole)};
 }
 int whole(float texels) { return split(texels).whole; }
-
-bool holds(Compare test, float reference, float stored) {
-    switch (test) {
-    case Compare::Never:
-        return false;
-    case Compare::Less:
-        return reference < stored;
-    case Compare::Equal:
-        return reference == stored;
-    case Compare::LessEqual:
-        return reference <= stored;
-    case Compare::Greater:
-        return reference > stored;
-    case Compare::NotEqual:
-        return reference != stored;
-    case Compare::GreaterEqual:
-        return reference >= stored;
-    case Compare::Always:
-        return true;
-    }
-    return true;
-}
 
 // What a look-up makes of each texel before it filters.
 struct Color {
