@@ -112,7 +112,7 @@ struct SetupState {
 // A vertex on the target: snapped position and depth, and which planes it lies outside of. Made once a vertex, used by
 // all of its triangles.
 struct WindowVertex {
-    std::int32_t x, y; // 1/256 pixels; zero where the vertex needs clipping
+    std::int32_t x, y; // 1/256 pixels; meaningless where the vertex needs clipping
     float z;
     std::uint32_t flags; // outside_* and needs_clip
 };

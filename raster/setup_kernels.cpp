@@ -71,7 +71,7 @@ void to_window_part(const SetupState& state, const float* positions, std::int32_
     const auto fixed = [&](auto coordinate, float half, int least) {
         const auto pixels =
             hn::Add(hn::Mul(hn::Mul(coordinate, oow), hn::Set(f, half)), hn::Set(f, static_cast<float>(least) + half));
-        return hn::IfThenElseZero(hn::RebindMask(i, inside), hn::NearestInt(hn::Mul(pixels, hn::Set(f, 256.0f))));
+        return hn::NearestInt(hn::Mul(pixels, hn::Set(f, 256.0f)));
     };
     auto depth = hn::Mul(z, oow);
     if (state.clip_depth != ClipDepth::ZeroToOne) depth = hn::Add(hn::Mul(depth, hn::Set(f, 0.5f)), hn::Set(f, 0.5f));
