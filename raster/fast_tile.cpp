@@ -97,6 +97,20 @@ void store_counters(Target& target, const Targets& targets, const DepthTile& til
     });
 }
 
+// The load operations of targets that the tile does not hold.
+void fill_others(const Targets& targets, const ListState& state, const DepthTile& tile) {
+    const auto fill = [&](Target& target, const std::array<std::byte, 16>& texel) {
+        const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
+        target.fill(tile.x, tile.y, extent.columns, extent.rows, targets.layer, targets.level, texel);
+    };
+    const bool counting = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
+    if (targets.stencil && targets.clear_stencil && !counting)
+        fill(*targets.stencil, targets.stencil->cleared_uint(*targets.clear_stencil));
+    if (!targets.clear_color) return;
+    for (Target* target : targets.color)
+        if (target) fill(*target, target->cleared(*targets.clear_color));
+}
+
 // Runs the program for the visible fragments, block by block, a triangle of the block at a time.
 void shade_visible(const TileDraw& draw, const DepthTile& tile, std::span<const TileList> lists,
                    PassCounters& counters) {
@@ -189,6 +203,7 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
     DepthTile tile;
     tile.x = tile_x, tile.y = tile_y;
     load_depth(*targets.depth, targets, load, tile);
+    if (load) fill_others(targets, state, tile);
     if (state.mode == ListMode::Ids) std::fill_n(tile.id, tile_pixels, DepthTile::no_id);
     if (state.mode == ListMode::Count8) load_counters(*targets.stencil, targets, load, tile, tile.count8);
     if (state.mode == ListMode::Count32) load_counters(*targets.stencil, targets, load, tile, tile.count32);

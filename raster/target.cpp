@@ -146,7 +146,10 @@ void store_texel_uint(Format format, std::byte* at, glm::uvec4 value, std::uint8
 
 std::array<std::byte, 16> Target::cleared(vec4 value) const {
     std::array<std::byte, 16> bytes{};
-    store_texel(format_, bytes.data(), value, 15);
+    if (info(format_).kind == Kind::Uint)
+        store_texel_uint(format_, bytes.data(), glm::floatBitsToUint(value), 15);
+    else
+        store_texel(format_, bytes.data(), value, 15);
     return bytes;
 }
 

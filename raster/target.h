@@ -46,7 +46,7 @@ public:
     void clear_uint(Pass& pass, std::uint32_t value); // stencil and integer formats, all channels
 
     // The bytes of one texel that such a clear writes.
-    std::array<std::byte, 16> cleared(vec4 value) const;
+    std::array<std::byte, 16> cleared(vec4 value) const; // integer formats take the bits
     std::array<std::byte, 16> cleared_depth(float depth) const;
     std::array<std::byte, 16> cleared_uint(std::uint32_t value) const;
     // Copies a texel over a rectangle of one layer and level; nothing is counted.
@@ -146,7 +146,7 @@ struct Targets {
     // "VK_ATTACHMENT_LOAD_OP_CLEAR"]
     std::optional<float> clear_depth = {};
     std::optional<std::uint32_t> clear_stencil = {};
-    std::optional<vec4> clear_color = {}; // of all colour targets that are not integer
+    std::optional<vec4> clear_color = {}; // of all colour targets; integer ones take the bits
 };
 
 } // namespace gnomon
