@@ -43,9 +43,11 @@ struct DepthTile {
     alignas(64) std::uint32_t id[tile_pixels + slack];   // row by row; no_id where nothing was drawn
     alignas(64) std::uint8_t count8[tile_pixels];        // block by block
     alignas(64) std::uint32_t count32[tile_pixels];      // block by block
-    // Bounds of the depths in each block, made anew where stale.
+    // Bounds of the depths in each block: unknown, or true; loose where a part of the block was written since they were
+    // exact, and `drawn` is then the farthest that was drawn there (the nearest, for reversed depth).
     alignas(64) std::int32_t nearest[tile_blocks * tile_blocks], farthest[tile_blocks * tile_blocks];
-    std::uint64_t stale;
+    alignas(64) std::int32_t drawn[tile_blocks * tile_blocks];
+    std::uint64_t unknown, loose;
 
     static constexpr std::uint32_t no_id = 0xffffffffu;
 };

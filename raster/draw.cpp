@@ -140,8 +140,9 @@ std::int64_t cleared_bytes(const Targets& targets) {
 void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast, bool load, const TileGrid& grid,
                 std::span<const Chunk> chunks, PassCounters& counters) {
     const std::vector<TileWork> work = tiles_with_work(grid, chunks, load);
-    std::vector<PassCounters> tile_counters(work.size());
-    parallel_for(work.size(), 1, [&](size_t k, size_t) {
+    const size_t grain = work.size() > 1024 ? 4 : 1;
+    std::vector<PassCounters> tile_counters(chunk_count(work.size(), grain));
+    const auto draw_tile = [&](size_t k, PassCounters& tile_counter) {
         const int x = grid.pixel_x(work[k].tile), y = grid.pixel_y(work[k].tile);
         std::array<TileList, batch_chunks> lists;
         std::vector<std::uint16_t> merged;
@@ -155,12 +156,15 @@ void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast,
         }
         const std::span<const TileList> used(lists.data(), count);
         if (fast) {
-            draw_fast_tile(tile_draw, *fast, x, y, load, used, tile_counters[k]);
+            draw_fast_tile(tile_draw, *fast, x, y, load, used, tile_counter);
             return;
         }
         for (const TileList& list : used)
             for (const std::uint16_t i : list.indices)
-                draw_in_tile(tile_draw, list.triangles->data[i], list.triangles->pieces.data(), x, y, tile_counters[k]);
+                draw_in_tile(tile_draw, list.triangles->data[i], list.triangles->pieces.data(), x, y, tile_counter);
+    };
+    parallel_for(work.size(), grain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) draw_tile(k, tile_counters[begin / grain]);
     });
     for (const PassCounters& c : tile_counters) counters.add(c);
 }

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstring>
 
+#include <emmintrin.h>
+
 #include "raster/block_tests.h"
 
 namespace gnomon::detail {
@@ -23,14 +25,14 @@ Extent extent_of(const Target& target, int level, int tile_x, int tile_y) {
 
 void load_depth(const Target& target, const Targets& targets, bool load, DepthTile& tile) {
     const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
-    tile.stale = ~std::uint64_t{0};
+    tile.unknown = ~std::uint64_t{0}, tile.loose = 0;
     if (load && targets.clear_depth) {
         const auto key =
             static_cast<std::int32_t>(depth_key(target.format(), static_cast<double>(*targets.clear_depth)));
         std::fill_n(tile.depth, tile_pixels, key);
         std::fill_n(tile.nearest, tile_blocks * tile_blocks, key);
         std::fill_n(tile.farthest, tile_blocks * tile_blocks, key);
-        tile.stale = 0;
+        tile.unknown = 0;
         return;
     }
     if (!extent.whole()) std::fill_n(tile.depth, tile_pixels, 0);
@@ -49,12 +51,26 @@ void load_depth(const Target& target, const Targets& targets, bool load, DepthTi
     }
 }
 
+// Targets of this size are written past the caches, which they would only empty.
+constexpr std::int64_t streamed_bytes = std::int64_t{8} << 20;
+
+// One row of the tile, 256 bytes, both sides aligned to 64.
+void stream_row(std::byte* to, const std::int32_t* from) {
+    for (int k = 0; k < tile_side; k += 4)
+        _mm_stream_si128(reinterpret_cast<__m128i*>(to + 4 * k),
+                         _mm_load_si128(reinterpret_cast<const __m128i*>(from + k)));
+}
+
 void store_depth(Target& target, const Targets& targets, const DepthTile& tile) {
     const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
+    const bool stream = target.bytes() >= streamed_bytes;
     for (int j = 0; j < extent.rows; ++j) {
         std::byte* to = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
         const std::int32_t* from = tile.depth + j * tile_side;
-        if (target.texel_bytes() == 4) {
+        if (stream && target.texel_bytes() == 4 && extent.columns == tile_side &&
+            reinterpret_cast<std::uintptr_t>(to) % 64 == 0) {
+            stream_row(to, from);
+        } else if (target.texel_bytes() == 4) {
             std::memcpy(to, from, static_cast<size_t>(extent.columns) * 4);
         } else {
             for (int i = 0; i < extent.columns; ++i) {
@@ -63,6 +79,7 @@ void store_depth(Target& target, const Targets& targets, const DepthTile& tile) 
             }
         }
     }
+    if (stream) _mm_sfence();
 }
 
 // Between a target's rows and the tile's blocks: visit(texels of the row, counters of the block's row, how many).

@@ -20,11 +20,20 @@ constexpr std::uint64_t every_pixel = ~std::uint64_t{0};
 HWY_INLINE std::int32_t least(std::int32_t a, std::int32_t b) { return a < b ? a : b; }
 HWY_INLINE std::int32_t most(std::int32_t a, std::int32_t b) { return a > b ? a : b; }
 
-// The lanes of a mask as bits.
+// The lanes of a mask as bits, and back.
 template <class D, class M> HWY_INLINE std::uint64_t bits_of(D d, M mask) {
+#if HWY_TARGET == HWY_AVX3
+    (void)d;
+    return mask.raw;
+#else
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, mask, bytes);
     return bytes[0] | static_cast<std::uint64_t>(bytes[1]) << 8;
+#endif
+}
+template <class D> HWY_INLINE hn::Mask<D> mask_of(D d, std::uint64_t bits) {
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8)};
+    return hn::LoadMaskBits(d, bytes);
 }
 
 // Pixels of the block at (x, y), relative to the tile, inside all three edges; rows outside [first, last] are not

@@ -22,25 +22,77 @@ using Double = hn::Vec<Doubles>;
 using Lanes = hn::Mask<Ints>;
 
 // Depths as keys: float bits, or unorm rounded to nearest.
-template <class V> HWY_INLINE auto to_key(V z, double scale) {
+template <bool floats, class V> HWY_INLINE auto to_key(V z, double scale) {
+    const hn::DFromV<V> d;
     const hn::Rebind<std::int32_t, hn::DFromV<V>> i;
     const hn::Rebind<float, hn::DFromV<V>> f;
-    if (scale == 0) return hn::BitCast(i, hn::DemoteTo(f, z));
-    const hn::DFromV<V> d;
-    return hn::DemoteTo(i, hn::Add(hn::Mul(z, hn::Set(d, scale)), hn::Set(d, 0.5)));
+    if constexpr (floats)
+        return hn::BitCast(i, hn::DemoteTo(f, z));
+    else
+        return hn::DemoteTo(i, hn::Add(hn::Mul(z, hn::Set(d, scale)), hn::Set(d, 0.5)));
 }
 
-// One part of a row of keys from as many doubles as it takes; `depth(k)` gives the k-th vector of doubles.
-template <class Depth> HWY_INLINE Int keys_of(std::size_t part, double scale, const Depth& depth) {
+// The triangle's depth plane as keys, along rows of eight pixels: (value + dy·(y − y0)) + dx·(x − x0), clamped to the
+// corners' range, moved by the offset, clamped to [0, 1], quantized. All of this is monotonic, so the two clamps may
+// come last, as integers: no key of a depth in [0, 1] is negative, and whatever is beyond stays beyond.
+struct DepthKeys {
+    Double columns[block_side / hn::MaxLanes(Doubles())];
+    alignas(64) double rows[2 * block_side];
+    double value, dx, dy, anchor_x, anchor_y, offset, scale;
+    std::int32_t low, high;
+
+    HWY_INLINE DepthKeys(const SetupTriangle& t, double key_scale)
+        : value(static_cast<double>(t.depth)), dx(t.depth_dx), dy(t.depth_dy), anchor_x(t.x[0] * (1.0 / subpixels)),
+          anchor_y(t.y[0] * (1.0 / subpixels)), offset(t.depth_offset), scale(key_scale),
+          low(limit(static_cast<double>(t.depth_minimum))), high(limit(static_cast<double>(t.depth_maximum))) {}
+
+    HWY_INLINE void set_columns(int x) { // x to x + 7
+        const Doubles d;
+        const double first = (x + 0.5) - anchor_x; // exact: multiples of 1/512 far below 2⁵³
+        for (std::size_t p = 0; p < block_side / hn::MaxLanes(d); ++p)
+            columns[p] = hn::Mul(hn::Set(d, dx), hn::Iota(d, first + static_cast<double>(p * hn::MaxLanes(d))));
+    }
+    HWY_INLINE void set_rows(int y, std::size_t count) { // y to y + count − 1
+        const Doubles d;
+        const double first = (y + 0.5) - anchor_y;
+        for (std::size_t j = 0; j < count; j += hn::MaxLanes(d))
+            hn::Store(hn::Add(hn::Set(d, value), hn::Mul(hn::Set(d, dy), hn::Iota(d, first + static_cast<double>(j)))),
+                      d, rows + j);
+    }
+    // One part of row j.
+    template <bool floats> HWY_INLINE Int at(int j, std::size_t part) const {
+        const Ints i;
+        return hn::Min(hn::Max(unclamped<floats>(j, part), hn::Set(i, low)), hn::Set(i, high));
+    }
+    // The same where the clamps are known to change nothing.
+    template <bool floats> HWY_INLINE Int unclamped(int j, std::size_t part) const {
+        const Doubles d;
+        return keys_of<floats>(part, [&](std::size_t k) { return hn::Add(hn::Set(d, rows[j]), columns[k]); });
+    }
+    // One part of a row of keys, not clamped, from as many doubles as it takes; `depth(k)` gives the k-th vector of
+    // them.
+    template <bool floats, class Depth> HWY_INLINE Int keys_of(std::size_t part, const Depth& depth) const {
+        const auto key = [&](std::size_t k) {
+            return to_key<floats>(hn::Add(depth(k), hn::Set(Doubles(), offset)), scale);
+        };
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_AVX3 // as many doubles in a vector as integers in a part
-    return to_key(depth(part), scale);
+        return key(part);
 #else
-    return hn::Combine(Ints(), to_key(depth(2 * part + 1), scale), to_key(depth(2 * part), scale));
+        return hn::Combine(Ints(), key(2 * part + 1), key(2 * part));
 #endif
-}
+    }
 
-// Which of the fresh depths pass.
-HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored) {
+private:
+    HWY_INLINE std::int32_t limit(double z) const {
+        const hn::CappedTag<double, 1> d;
+        const auto inside = hn::Min(hn::Max(hn::Set(d, z + offset), hn::Zero(d)), hn::Set(d, 1.0));
+        return scale == 0 ? hn::GetLane(to_key<true>(inside, scale)) : hn::GetLane(to_key<false>(inside, scale));
+    }
+};
+
+// Which of the fresh depths pass; the commonest test is known when compiling.
+template <bool less> HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored) {
+    if constexpr (less) return hn::Lt(fresh, stored);
     switch (test) {
     case Compare::Less:
         return hn::Lt(fresh, stored);
@@ -62,32 +114,43 @@ HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored) {
     return hn::Ne(fresh, fresh);
 }
 
-enum class Verdict : std::uint8_t { None, All, Some };
+// Blocks of a row, as bits, in which depths in [low, high] all pass, or none, against stored ones in [nearest,
+// farthest].
+struct Verdicts {
+    std::uint32_t all = 0, none = 0;
+};
 
-// Whether depths in [low, high] pass against stored ones in [nearest, farthest].
-HWY_INLINE Verdict judge(Compare test, std::int32_t low, std::int32_t high, std::int32_t nearest,
-                         std::int32_t farthest) {
-    const auto verdict = [](bool all, bool none) { return all ? Verdict::All : none ? Verdict::None : Verdict::Some; };
-    const bool apart = high < nearest || low > farthest;
+HWY_INLINE Verdicts judge(Compare test, const std::int32_t* low, const std::int32_t* high, const std::int32_t* nearest,
+                          const std::int32_t* farthest) {
+    const Ints i;
+    const auto below = [&](const std::int32_t* a, const std::int32_t* b) { // a < b, per block
+        std::uint32_t bits = 0;
+        for (std::size_t p = 0; p < int_parts; ++p)
+            bits |= static_cast<std::uint32_t>(
+                bits_of(i, hn::Lt(hn::LoadU(i, a + p * int_lanes), hn::LoadU(i, b + p * int_lanes)))
+                << (p * int_lanes));
+        return bits;
+    };
+    constexpr std::uint32_t every = 0xff;
     switch (test) {
     case Compare::Less:
-        return verdict(high < nearest, low >= farthest);
+        return {below(high, nearest), every & ~below(low, farthest)};
     case Compare::LessEqual:
-        return verdict(high <= nearest, low > farthest);
+        return {every & ~below(nearest, high), below(farthest, low)};
     case Compare::Greater:
-        return verdict(low > farthest, high <= nearest);
+        return {below(farthest, low), every & ~below(nearest, high)};
     case Compare::GreaterEqual:
-        return verdict(low >= farthest, high < nearest);
+        return {every & ~below(low, farthest), below(high, nearest)};
     case Compare::Equal:
-        return verdict(false, apart);
+        return {0, below(high, nearest) | below(farthest, low)};
     case Compare::NotEqual:
-        return verdict(apart, false);
+        return {below(high, nearest) | below(farthest, low), 0};
     case Compare::Always:
-        return Verdict::All;
+        return {every, 0};
     case Compare::Never:
         break;
     }
-    return Verdict::None;
+    return {0, every};
 }
 
 // The part of a triangle's box inside the tile, relative to it.
@@ -140,15 +203,15 @@ HWY_INLINE std::uint64_t blocks_of(const LocalBox& box) {
 }
 
 // Row by row, eight pixels at a step, without asking any bounds.
-template <bool with_ids>
-void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box, std::uint32_t id,
-                TileCounts& counts) {
+template <bool with_ids, bool floats, bool less>
+HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
+                             std::uint32_t id, TileCounts& counts) {
     const Ints i;
-    const Doubles d;
-    DepthRows<Doubles> depth(d, t, tile.x + box.x0);
+    DepthKeys depth(t, state.key_scale);
+    depth.set_rows(tile.y + box.y0, static_cast<std::size_t>(box.y1 - box.y0 + 1));
     std::uint64_t covered = 0, passed = 0;
     for (int x = box.x0; x <= box.x1; x += block_side) {
-        if (x != box.x0) depth.move(t, tile.x + x);
+        depth.set_columns(tile.x + x);
         const SmallEdges edges(t, state.conservative, tile.x + x, tile.y + box.y0);
         Int value[3][int_parts];
         Lanes inside_box[int_parts];
@@ -159,14 +222,13 @@ void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t,
                 value[e][p] = hn::Add(hn::Set(i, edges.base[e]), hn::Mul(lane, hn::Set(i, edges.a[e])));
         }
         for (int y = box.y0; y <= box.y1; ++y) {
-            const double row = depth.row(tile.y + y);
             for (std::size_t p = 0; p < int_parts; ++p) {
                 const Int outside = hn::Or(hn::Or(value[0][p], value[1][p]), value[2][p]);
                 const Lanes inside = hn::And(hn::Gt(outside, hn::Set(i, -1)), inside_box[p]);
                 for (int e = 0; e < 3; ++e) value[e][p] = hn::Add(value[e][p], hn::Set(i, edges.b[e]));
                 const std::size_t at = static_cast<std::size_t>(y * tile_side + x) + p * int_lanes;
-                const Int fresh = keys_of(p, state.key_scale, [&](std::size_t k) { return depth.at(row, k); });
-                const Lanes pass = hn::And(passes(state.test, fresh, hn::LoadU(i, tile.depth + at)), inside);
+                const Int fresh = depth.at<floats>(y - box.y0, p);
+                const Lanes pass = hn::And(passes<less>(state.test, fresh, hn::LoadU(i, tile.depth + at)), inside);
                 if (state.write) hn::BlendedStore(fresh, pass, i, tile.depth + at);
                 if constexpr (with_ids)
                     hn::BlendedStore(hn::Set(i, static_cast<std::int32_t>(id)), pass, i,
@@ -178,61 +240,98 @@ void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t,
     }
     counts.covered += static_cast<std::int64_t>(covered);
     counts.passed += static_cast<std::int64_t>(passed);
-    if (state.write) tile.stale |= blocks_of(box);
+    if (state.write && passed) tile.unknown |= blocks_of(box);
 }
 
-// One row of eight blocks: which of them the edges touch or leave whole, and the range of the triangle's depths in
-// each.
-struct BlockRow {
-    std::uint32_t touched = 0xff, whole = 0xff;
-    alignas(64) std::int32_t low[tile_blocks], high[tile_blocks];
+// What the block path needs of a triangle's edges: per block, and per pixel of a block.
+struct BlockEdges {
+    static constexpr std::size_t pixel_lanes = hn::MaxLanes(hn::CappedTag<std::int32_t, 16>());
+    using Pixels = hn::CappedTag<std::int32_t, 16>; // two rows of a block at once, where there are so many lanes
+    TileEdges edges;
+    Int most_inside[3][int_parts], least_inside[3][int_parts]; // of the edge functions in each block of the lowest row
+    hn::Vec<Pixels> ramp[3];                                   // from the block's lower left pixel
+
+    HWY_INLINE explicit BlockEdges(const TileEdges& e) : edges(e) {
+        const Ints i;
+        const Pixels pixels;
+        constexpr std::int32_t span = block_side - 1;
+        const auto lane = hn::Iota(pixels, 0);
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t a = e.a[k], b = e.b[k];
+            for (std::size_t p = 0; p < int_parts; ++p) {
+                const auto block = hn::Iota(i, static_cast<std::int32_t>(p * int_lanes));
+                const auto corner = hn::Add(hn::Set(i, e.base[k]), hn::Mul(block, hn::Set(i, a * block_side)));
+                most_inside[k][p] = hn::Add(corner, hn::Set(i, span * (most(a, 0) + most(b, 0))));
+                least_inside[k][p] = hn::Add(corner, hn::Set(i, span * (least(a, 0) + least(b, 0))));
+            }
+            ramp[k] = hn::Add(hn::Mul(hn::And(lane, hn::Set(pixels, 7)), hn::Set(pixels, a)),
+                              hn::Mul(hn::ShiftRight<3>(lane), hn::Set(pixels, b)));
+        }
+    }
+
+    // Of the blocks of the row at y: those that the edges touch, and for each edge those that it crosses.
+    struct Row {
+        std::uint32_t touched = 0xff, crossed[3] = {0, 0, 0};
+    };
+    HWY_INLINE Row row(int y) const {
+        const Ints i;
+        Row row;
+        for (std::size_t p = 0; p < int_parts; ++p) {
+            auto outside = hn::Zero(i);
+            for (int k = 0; k < 3; ++k) {
+                const auto up = hn::Set(i, edges.b[k] * y);
+                outside = hn::Or(outside, hn::Add(most_inside[k][p], up));
+                const auto partly = hn::Lt(hn::Add(least_inside[k][p], up), hn::Zero(i));
+                row.crossed[k] |= static_cast<std::uint32_t>(bits_of(i, partly) << (p * int_lanes));
+            }
+            row.touched &= ~static_cast<std::uint32_t>(bits_of(i, hn::Lt(outside, hn::Zero(i))) << (p * int_lanes));
+        }
+        return row;
+    }
+
+    // Pixels of the block at (x, y) inside those edges that cross it.
+    HWY_INLINE std::uint64_t covered(const Row& row, int column, int y) const {
+        const Pixels pixels;
+        std::uint64_t outside = 0;
+        for (int k = 0; k < 3; ++k) {
+            if (!(row.crossed[k] >> column & 1)) continue;
+            std::int32_t corner = edges.base[k] + edges.a[k] * column * block_side + edges.b[k] * y;
+            for (std::size_t at = 0; at < 64; at += pixel_lanes) {
+                const std::int32_t first = corner + edges.b[k] * static_cast<std::int32_t>(at >> 3) +
+                                           edges.a[k] * static_cast<std::int32_t>(at & 7);
+                const auto value = hn::Add(ramp[k], hn::Set(pixels, first));
+                outside |= bits_of(pixels, hn::Lt(value, hn::Zero(pixels))) << at;
+            }
+        }
+        return ~outside;
+    }
 };
 
-HWY_INLINE void classify_edges(const TileEdges& edges, int y, BlockRow& row) {
-    const Ints i;
-    constexpr std::int32_t span = block_side - 1;
-    for (std::size_t p = 0; p < int_parts; ++p) {
-        auto any = hn::Zero(i), all = hn::Zero(i); // negative: a block outside, or not whole
-        const auto block = hn::Iota(i, static_cast<std::int32_t>(p * int_lanes));
-        for (int e = 0; e < 3; ++e) {
-            const std::int32_t a = edges.a[e], b = edges.b[e];
-            const auto corner = hn::Add(hn::Set(i, edges.base[e] + b * y), hn::Mul(block, hn::Set(i, a * block_side)));
-            any = hn::Or(any, hn::Add(corner, hn::Set(i, span * (most(a, 0) + most(b, 0)))));
-            all = hn::Or(all, hn::Add(corner, hn::Set(i, span * (least(a, 0) + least(b, 0)))));
-        }
-        const std::uint64_t lanes = (std::uint64_t{1} << int_lanes) - 1;
-        const auto clear = [&](std::uint32_t& bits, Int sign) {
-            bits &= ~static_cast<std::uint32_t>((bits_of(i, hn::Lt(sign, hn::Zero(i))) & lanes) << (p * int_lanes));
-        };
-        clear(row.touched, any);
-        clear(row.whole, all);
-    }
-}
-
-// Depth is monotonic along x and y, rounding and all, so the extremes over a block are at its corners.
-HWY_INLINE void bound_depths(const ListState& state, const SetupTriangle& t, const DepthRows<Doubles>& depth,
-                             int tile_x, int y, BlockRow& row) {
+// The least and the greatest key of the triangle in each block of the rows that are set. Depth is monotonic along x and
+// y, rounding and all, so its extremes over a block are at corners.
+template <bool floats>
+HWY_NOINLINE void bound_depths(const DepthKeys& depth, int tile_x, std::int32_t* low, std::int32_t* high) {
     const Ints i;
     const Doubles d;
     constexpr int last = block_side - 1;
     const auto bound = [&](bool upper, std::int32_t* out) {
-        const double first = (tile_x + ((t.depth_dx > 0) == upper ? last : 0) + 0.5) - t.x[0] * (1.0 / subpixels);
-        const double z = depth.row(y + ((t.depth_dy > 0) == upper ? last : 0));
+        const double first = (tile_x + ((depth.dx > 0) == upper ? last : 0) + 0.5) - depth.anchor_x;
+        const auto row = hn::Set(d, depth.rows[(depth.dy > 0) == upper ? last : 0]);
         for (std::size_t p = 0; p < int_parts; ++p) {
-            const Int keys = keys_of(p, state.key_scale, [&](std::size_t k) {
+            const Int keys = depth.keys_of<floats>(p, [&](std::size_t k) {
                 const auto x = hn::Add(hn::Set(d, first),
                                        hn::Mul(hn::Iota(d, static_cast<double>(k * hn::MaxLanes(d))), hn::Set(d, 8.0)));
-                return depth.finish(hn::Add(hn::Set(d, z), hn::Mul(hn::Set(d, t.depth_dx), x)));
+                return hn::Add(row, hn::Mul(hn::Set(d, depth.dx), x));
             });
-            hn::StoreU(keys, i, out + p * int_lanes);
+            hn::StoreU(hn::Min(hn::Max(keys, hn::Set(i, depth.low)), hn::Set(i, depth.high)), i, out + p * int_lanes);
         }
     };
-    bound(false, row.low);
-    bound(true, row.high);
+    bound(false, low);
+    bound(true, high);
 }
 
 // Makes a block's depth bounds anew.
-HWY_INLINE void refresh_bounds(DepthTile& tile, int block) {
+void refresh_bounds(DepthTile& tile, int block) {
     const Ints i;
     const std::int32_t* at = tile.depth + (block >> 3) * block_side * tile_side + (block & 7) * block_side;
     Int low = hn::LoadU(i, at), high = low;
@@ -244,25 +343,55 @@ HWY_INLINE void refresh_bounds(DepthTile& tile, int block) {
         }
     tile.nearest[block] = hn::GetLane(hn::MinOfLanes(i, low));
     tile.farthest[block] = hn::GetLane(hn::MaxOfLanes(i, high));
-    tile.stale &= ~(std::uint64_t{1} << block);
+    tile.unknown &= ~(std::uint64_t{1} << block);
+    tile.loose &= ~(std::uint64_t{1} << block);
+}
+
+// Brings the bounds of some blocks of row r to where they can decide: unknown ones always, loose ones where the
+// triangle lies behind (in front, for reversed depth) all that was drawn there since they were exact.
+HWY_INLINE void prepare_bounds(const ListState& state, DepthTile& tile, int r, std::uint32_t blocks,
+                               const std::int32_t* low, const std::int32_t* high) {
+    const auto unknown = static_cast<std::uint32_t>(tile.unknown >> (tile_blocks * r)) & blocks;
+    const auto loose = static_cast<std::uint32_t>(tile.loose >> (tile_blocks * r)) & blocks & ~unknown;
+    if (!(unknown | loose)) return;
+    std::uint32_t stale = unknown;
+    const bool less = state.test == Compare::Less || state.test == Compare::LessEqual;
+    for (std::uint32_t rest = loose; rest; rest &= rest - 1) {
+        const auto c = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
+        const std::int32_t drawn = tile.drawn[r * tile_blocks + c];
+        if (less ? low[c] >= drawn : high[c] <= drawn) stale |= 1u << c;
+    }
+    for (; stale; stale &= stale - 1)
+        refresh_bounds(tile, r * tile_blocks + static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(stale)));
+}
+
+// Keeps the bounds true after a write to a part of the block.
+HWY_INLINE void loosen_bounds(const ListState& state, DepthTile& tile, int block, std::int32_t low, std::int32_t high) {
+    const bool less = state.test == Compare::Less || state.test == Compare::LessEqual;
+    const bool greater = state.test == Compare::Greater || state.test == Compare::GreaterEqual;
+    const bool fresh = !(tile.loose >> block & 1);
+    if (!greater) tile.nearest[block] = least(tile.nearest[block], low);
+    if (!less) tile.farthest[block] = most(tile.farthest[block], high);
+    const std::int32_t reached = less ? high : low;
+    tile.drawn[block] = fresh ? reached : less ? most(tile.drawn[block], reached) : least(tile.drawn[block], reached);
+    tile.loose |= std::uint64_t{1} << block;
 }
 
 // Depth test, or with `all` only the write, of the covered pixels of one block; returns those that pass.
-template <bool with_ids>
-HWY_INLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, const DepthRows<Doubles>& depth, int x,
-                                    int y, std::uint64_t covered, bool all, std::uint32_t id) {
+template <bool with_ids, bool floats, bool less>
+HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, DepthKeys& depth, int x, int y,
+                                      std::uint64_t covered, bool all, std::uint32_t id) {
     const Ints i;
+    depth.set_columns(tile.x + x);
     std::uint64_t passed = 0;
     for (int j = 0; j < block_side; ++j) {
         const std::uint64_t row_bits = covered >> (8 * j) & 0xff;
         if (row_bits == 0) continue;
-        const double row = depth.row(tile.y + y + j);
         for (std::size_t p = 0; p < int_parts; ++p) {
-            const std::uint8_t bits[8] = {static_cast<std::uint8_t>(row_bits >> (p * int_lanes))};
             std::int32_t* at = tile.depth + (y + j) * tile_side + x + p * int_lanes;
-            const Int fresh = keys_of(p, state.key_scale, [&](std::size_t k) { return depth.at(row, k); });
-            Lanes pass = hn::LoadMaskBits(i, bits);
-            if (!all) pass = hn::And(pass, passes(state.test, fresh, hn::LoadU(i, at)));
+            const Int fresh = depth.at<floats>(j, p);
+            Lanes pass = mask_of(i, row_bits >> (p * int_lanes));
+            if (!all) pass = hn::And(pass, passes<less>(state.test, fresh, hn::LoadU(i, at)));
             if (state.write) hn::BlendedStore(fresh, pass, i, at);
             if constexpr (with_ids)
                 hn::BlendedStore(hn::Set(i, static_cast<std::int32_t>(id)), pass, i,
@@ -273,22 +402,49 @@ HWY_INLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, con
     return passed;
 }
 
-// Writes a block that is covered and passes throughout.
-template <bool with_ids>
-HWY_INLINE void fill_block(const ListState& state, DepthTile& tile, const DepthRows<Doubles>& depth, int x, int y,
-                           std::uint32_t id) {
+// Writes a block that is covered and passes throughout; its keys lie in [low, high].
+template <bool with_ids, bool floats>
+HWY_NOINLINE void fill_block(DepthTile& tile, DepthKeys& depth, int x, int y, std::int32_t low, std::int32_t high,
+                             std::uint32_t id) {
     const Ints i;
-    std::int32_t* at = tile.depth + y * tile_side + x;
-    for (int j = 0; j < block_side; ++j, at += tile_side) {
-        const double row = depth.row(tile.y + y + j);
-        for (std::size_t p = 0; p < int_parts; ++p) {
-            hn::StoreU(keys_of(p, state.key_scale, [&](std::size_t k) { return depth.at(row, k); }), i,
-                       at + p * int_lanes);
-            if constexpr (with_ids)
-                hn::StoreU(hn::Set(i, static_cast<std::int32_t>(id)), i,
-                           reinterpret_cast<std::int32_t*>(tile.id) + (at - tile.depth) + p * int_lanes);
-        }
+    const auto fill = [&](const auto& key) {
+        std::int32_t* at = tile.depth + y * tile_side + x;
+        for (int j = 0; j < block_side; ++j, at += tile_side)
+            for (std::size_t p = 0; p < int_parts; ++p) {
+                hn::StoreU(key(j, p), i, at + p * int_lanes);
+                if constexpr (with_ids)
+                    hn::StoreU(hn::Set(i, static_cast<std::int32_t>(id)), i,
+                               reinterpret_cast<std::int32_t*>(tile.id) + (at - tile.depth) + p * int_lanes);
+            }
+    };
+    if (low == high) {
+        const auto constant = hn::Set(i, low);
+        return fill([&](int, std::size_t) { return constant; });
     }
+    depth.set_columns(tile.x + x);
+    if (low > depth.low && high < depth.high)
+        fill([&](int j, std::size_t p) { return depth.unclamped<floats>(j, p); });
+    else
+        fill([&](int j, std::size_t p) { return depth.at<floats>(j, p); });
+}
+
+// The innermost functions for a depth format and test.
+struct BlockFunctions {
+    decltype(&draw_small<false, true, true>) small;
+    decltype(&test_block<false, true, true>) test;
+    decltype(&fill_block<false, true>) fill;
+    decltype(&bound_depths<true>) bound;
+};
+
+template <bool with_ids> BlockFunctions block_functions(const ListState& state) {
+    const bool less = state.test == Compare::Less;
+    if (state.key_scale == 0)
+        return {less ? draw_small<with_ids, true, true> : draw_small<with_ids, true, false>,
+                less ? test_block<with_ids, true, true> : test_block<with_ids, true, false>, fill_block<with_ids, true>,
+                bound_depths<true>};
+    return {less ? draw_small<with_ids, false, true> : draw_small<with_ids, false, false>,
+            less ? test_block<with_ids, false, true> : test_block<with_ids, false, false>, fill_block<with_ids, false>,
+            bound_depths<false>};
 }
 
 // Adds `step` to the counters of a block, modulo their range.
@@ -315,78 +471,85 @@ HWY_INLINE std::uint64_t box_pixels(const LocalBox& box, int x, int y) {
     return (row * 0x0101010101010101ull) & rows;
 }
 
+// Adds what passed and what failed to the stencil.
+template <ListMode mode>
+HWY_INLINE void count_fragments(const ListState& state, DepthTile& tile, bool front, int block, std::uint64_t covered,
+                                std::uint64_t passed, TileCounts& counts) {
+    const auto update = [&](std::uint64_t pixels, std::int8_t step) {
+        if (!step || !pixels) return;
+        counts.counted += bit_count(pixels);
+        if constexpr (mode == ListMode::Count8)
+            count_block(tile.count8 + 64 * block, pixels, step);
+        else
+            count_block(tile.count32 + 64 * block, pixels, step);
+    };
+    update(passed, state.counts[front][1]);
+    update(covered & ~passed, state.counts[front][0]);
+}
+
 // One triangle, by blocks.
 template <ListMode mode>
-void draw_blocks(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box, std::uint32_t id,
-                 TileCounts& counts) {
+void draw_blocks(const ListState& state, const BlockFunctions& functions, DepthTile& tile, const SetupTriangle& t,
+                 const LocalBox& box, std::uint32_t id, TileCounts& counts) {
     constexpr bool with_ids = mode == ListMode::Ids, counting = mode == ListMode::Count8 || mode == ListMode::Count32;
-    const TileEdges edges = tile_edges(t, state.conservative, tile.x, tile.y);
-    if (edges.empty) return;
-    const std::int8_t on_pass = state.counts[t.front][1], on_fail = state.counts[t.front][0];
-    DepthRows<Doubles> depth(Doubles(), t, tile.x);
-    const int c0 = box.x0 >> 3, c1 = box.x1 >> 3;
+    const TileEdges tile_edge = tile_edges(t, state.conservative, tile.x, tile.y);
+    if (tile_edge.empty) return;
+    const BlockEdges edges(tile_edge);
+    DepthKeys depth(t, state.key_scale);
+    const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
     const std::uint32_t columns = (2u << c1) - (1u << c0);
-    // Columns and rows of blocks that the box holds whole.
+    // Columns of blocks that the box holds whole.
     const int w0 = (box.x0 + 7) >> 3, w1 = (box.x1 + 1) >> 3;
     const std::uint32_t whole_columns = w1 > w0 ? (1u << w1) - (1u << w0) : 0;
-    for (int y = box.y0 & ~7; y <= box.y1; y += block_side) {
-        BlockRow row;
-        classify_edges(edges, y, row);
-        row.touched &= columns;
-        if (!row.touched) continue;
-        row.whole &= y >= box.y0 && y + 7 <= box.y1 ? whole_columns : 0;
-        bound_depths(state, t, depth, tile.x, tile.y + y, row);
-        for (std::uint32_t rest = row.touched; rest; rest &= rest - 1) {
+    // Bounds of the whole triangle do for one that is not large.
+    const bool large = c1 - c0 > 3 || r1 - r0 > 3;
+    alignas(64) std::int32_t low[tile_blocks], high[tile_blocks];
+    for (std::size_t k = 0; k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
+    for (int r = r0; r <= r1; ++r) {
+        const int y = r * block_side;
+        const BlockEdges::Row row = edges.row(y);
+        const std::uint32_t touched = row.touched & columns;
+        if (!touched) continue;
+        const std::uint32_t in_box = y >= box.y0 && y + 7 <= box.y1 ? whole_columns : 0;
+        const std::uint32_t whole = in_box & ~(row.crossed[0] | row.crossed[1] | row.crossed[2]);
+        depth.set_rows(tile.y + y, block_side);
+        if (large) functions.bound(depth, tile.x, low, high);
+        prepare_bounds(state, tile, r, touched, low, high);
+        const int first = r * tile_blocks;
+        const Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
+
+        // What bounds alone decide.
+        const std::uint32_t filled = state.write ? whole & verdicts.all : 0;
+        for (std::uint32_t rest = filled; rest; rest &= rest - 1) {
+            const int c = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
+            functions.fill(tile, depth, c * block_side, y, low[c], high[c], id);
+            tile.nearest[first + c] = low[c], tile.farthest[first + c] = high[c];
+        }
+        tile.loose &= ~(static_cast<std::uint64_t>(filled) << first);
+        const std::uint32_t decided = filled | (counting ? 0 : whole & verdicts.none);
+        counts.covered += 64 * bit_count(decided);
+        counts.passed += 64 * bit_count(filled);
+
+        for (std::uint32_t rest = touched & ~decided; rest; rest &= rest - 1) {
             const int column = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest)), x = column * block_side;
-            const int block = (y >> 3) * tile_blocks + column;
-            const bool whole = row.whole >> column & 1;
+            const int block = first + column;
             std::uint64_t covered = every_pixel;
-            if (!whole) {
-                const int first = most(box.y0 - y, 0), last = least(box.y1 - y, block_side - 1);
-                covered = covered_pixels(edges, x, y, first, last) & box_pixels(box, x, y);
+            if (!(whole >> column & 1)) {
+                covered = edges.covered(row, column, y);
+                if (!(in_box >> column & 1)) covered &= box_pixels(box, x, y);
                 if (!covered) continue;
             }
-            const int covered_count = whole ? 64 : bit_count(covered);
-            counts.covered += covered_count;
-            if (tile.stale >> block & 1) refresh_bounds(tile, block);
-            const Verdict verdict =
-                judge(state.test, row.low[column], row.high[column], tile.nearest[block], tile.farthest[block]);
+            counts.covered += bit_count(covered);
+            const bool all = verdicts.all >> column & 1;
             std::uint64_t passed = 0;
-            if (verdict == Verdict::All && whole && !counting) {
-                passed = every_pixel;
-                if (state.write || with_ids) {
-                    depth.move(t, tile.x + x);
-                    if (state.write) {
-                        fill_block<with_ids>(state, tile, depth, x, y, id);
-                        tile.nearest[block] = row.low[column], tile.farthest[block] = row.high[column];
-                    } else {
-                        test_block<with_ids>(state, tile, depth, x, y, covered, true, id);
-                    }
-                }
-                counts.passed += 64;
-                continue;
-            }
-            if (verdict == Verdict::All && counting) {
+            if (all && !with_ids && !state.write) {
                 passed = covered;
-            } else if (verdict != Verdict::None) {
-                depth.move(t, tile.x + x);
-                passed = test_block<with_ids>(state, tile, depth, x, y, covered, verdict == Verdict::All, id);
-                if (passed && state.write) tile.stale |= std::uint64_t{1} << block;
+            } else if (!(verdicts.none >> column & 1)) {
+                passed = functions.test(state, tile, depth, x, y, covered, all, id);
+                if (passed && state.write) loosen_bounds(state, tile, block, low[column], high[column]);
             }
-            const int passed_count = passed == covered ? covered_count : bit_count(passed);
-            counts.passed += passed_count;
-            if constexpr (counting) {
-                const auto update = [&](std::uint64_t pixels, std::int8_t step, int count) {
-                    if (!step || !pixels) return;
-                    counts.counted += count;
-                    if constexpr (mode == ListMode::Count8)
-                        count_block(tile.count8 + 64 * block, pixels, step);
-                    else
-                        count_block(tile.count32 + 64 * block, pixels, step);
-                };
-                update(passed, on_pass, passed_count);
-                update(covered & ~passed, on_fail, covered_count - passed_count);
-            }
+            counts.passed += bit_count(passed);
+            if constexpr (counting) count_fragments<mode>(state, tile, t.front, block, covered, passed, counts);
         }
     }
 }
@@ -394,17 +557,16 @@ void draw_blocks(const ListState& state, DepthTile& tile, const SetupTriangle& t
 template <ListMode mode>
 void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
               std::size_t count, std::uint32_t first_id, TileCounts& counts) {
+    constexpr bool counting = mode == ListMode::Count8 || mode == ListMode::Count32;
+    const BlockFunctions functions = block_functions<mode == ListMode::Ids>(state);
     for (std::size_t k = 0; k < count; ++k) {
         const SetupTriangle& t = triangles[list[k]];
         const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
-        if constexpr (mode == ListMode::Depth || mode == ListMode::Ids) {
-            if (t.small) {
-                draw_small<mode == ListMode::Ids>(state, tile, t, box, id, counts);
-                continue;
-            }
-        }
-        draw_blocks<mode>(state, tile, t, box, id, counts);
+        if (t.small && !counting)
+            functions.small(state, tile, t, box, id, counts);
+        else
+            draw_blocks<mode>(state, functions, tile, t, box, id, counts);
     }
 }
 
