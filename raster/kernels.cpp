@@ -44,9 +44,10 @@ void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, 
             const std::size_t at = 8 * static_cast<std::size_t>(j) + p * lanes;
             const auto over_w = value(planes.inverse_w);
             const auto w = hn::Div(hn::Set(d, 1.0), over_w);
-            hn::StoreU(hn::DemoteTo(f, over_w), f, inverse_w + at);
-            hn::StoreU(hn::DemoteTo(f, hn::Mul(value(planes.second), w)), f, second + at);
-            hn::StoreU(hn::DemoteTo(f, hn::Mul(value(planes.third), w)), f, third + at);
+            const auto lanes_in = mask_of(f, (mask & 0xff) >> (p * lanes));
+            hn::BlendedStore(hn::DemoteTo(f, over_w), lanes_in, f, inverse_w + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.second), w)), lanes_in, f, second + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.third), w)), lanes_in, f, third + at);
         }
     }
 }

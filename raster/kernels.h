@@ -23,7 +23,7 @@ struct Kernels {
     // offset, clamped to [0, 1].
     void (*depth)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, double* depth);
 
-    // Of every row that has a pixel in the mask: 1/w, and the perspective barycentric coordinates of the second and
+    // Of every pixel in the mask: 1/w, and the perspective barycentric coordinates of the second and
     // third corner, from their planes in double.
     void (*barycentrics)(const SetupTriangle& triangle, const AttributePlanes& planes, int x, int y, std::uint64_t mask,
                          float* inverse_w, float* second, float* third);
