@@ -2,7 +2,9 @@
 add_library(gnomon_warnings INTERFACE)
 target_compile_options(gnomon_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror
-  -ffp-contract=off -fno-math-errno -fno-trapping-math)
+  -ffp-contract=off -fno-math-errno -fno-trapping-math
+  # Short vectors packed from scalars and read back in other pieces stall on store forwarding: a fragment costs twice as much.
+  -fno-tree-slp-vectorize)
 if(GNOMON_SANITIZE)
   # GCC warns of uninitialised values inside <regex> once sanitizers have rewritten it.
   target_compile_options(gnomon_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)

@@ -57,9 +57,20 @@ template <class V> struct Fragment {
     PassCounters* counters; // samplers count their texels here
 };
 
+// One fragment's colours: [c] is that of target c.
+class FragmentColors {
+public:
+    static constexpr size_t stride = 64; // vec4s from a target's to the next's, as they lie in a block
+    explicit FragmentColors(vec4* first) : first_(first) {}
+    vec4& operator[](size_t target) { return first_[stride * target]; }
+
+private:
+    vec4* first_;
+};
+
 struct FragmentOutput {
-    std::array<vec4, max_color_targets> color{}; // integer targets take the bits (glm::uintBitsToFloat)
-    float depth = 0;                             // read only with FragmentFlags::writes_depth
+    FragmentColors color; // integer targets take the bits (glm::uintBitsToFloat)
+    float depth = 0;      // read only with FragmentFlags::writes_depth
     bool discarded = false;
 };
 
@@ -85,7 +96,9 @@ inline constexpr DepthOnly depth_only{};
 
 namespace detail {
 
-using BlockColors = std::array<std::array<vec4, 64>, max_color_targets>;
+inline constexpr size_t max_varyings = 32; // floats per vertex
+
+using BlockColors = std::array<std::array<vec4, FragmentColors::stride>, max_color_targets>;
 
 // The fragments of one triangle in a block. Bit 8·j + i is pixel (x + i, y + j).
 struct FragmentRun {
@@ -101,6 +114,7 @@ struct FragmentBlock {
     std::uint64_t kept; // out: fragments not discarded
     std::array<float, 64> depth;
     std::array<float, 64> inverse_w, second, third; // with varyings: 1/w, and the perspective barycentric coordinates
+    std::array<std::array<float, 64>, max_varyings> varyings; // perspective-correct, float by float
     BlockColors* color;
     PassCounters* counters;
 };
@@ -133,6 +147,10 @@ struct CornerVaryings {
 struct Barycentric {
     float second, third;
 };
+inline float between(const CornerVaryings& corner, size_t i, const Barycentric& b) {
+    const float v0 = corner.v0[i];
+    return (v0 + b.second * (corner.v1[i] - v0)) + b.third * (corner.v2[i] - v0);
+}
 inline Barycentric perspective_at(const FragmentRun& run, int x, int y) {
     const SetupTriangle& t = *run.triangle;
     const double w = 1.0 / t.evaluate(run.planes->inverse_w, x, y);
@@ -140,16 +158,12 @@ inline Barycentric perspective_at(const FragmentRun& run, int x, int y) {
             static_cast<float>(t.evaluate(run.planes->third, x, y) * w)};
 }
 
-// A whole struct of varyings at a pixel: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float.
-template <class V>
-[[gnu::always_inline]] inline V interpolate(const FragmentRun& run, const CornerVaryings& corner,
-                                            const Barycentric& perspective, int x, int y) {
+// A whole struct of varyings at a pixel: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float; `perspective(i)` gives those that
+// are perspective-correct.
+template <class V, class Perspective>
+V interpolate(const FragmentRun& run, const CornerVaryings& corner, const Perspective& perspective, int x, int y) {
     constexpr size_t count = sizeof(V) / sizeof(float);
     std::array<float, count> values;
-    const auto between = [&](size_t i, const Barycentric& b) {
-        const float v0 = corner.v0[i];
-        return (v0 + b.second * (corner.v1[i] - v0)) + b.third * (corner.v2[i] - v0);
-    };
     const auto linear = [&] {
         const SetupTriangle& t = *run.triangle;
         return Barycentric{static_cast<float>(t.evaluate(run.planes->second_linear, x, y)),
@@ -160,9 +174,9 @@ template <class V>
         if constexpr (how == Interpolation::Flat)
             values[i] = corner.provoking[i];
         else if constexpr (how == Interpolation::Linear)
-            values[i] = between(i, linear());
+            values[i] = between(corner, i, linear());
         else
-            values[i] = between(i, perspective);
+            values[i] = perspective(i);
     };
     [&]<size_t... i>(std::index_sequence<i...>) { (set(std::integral_constant<size_t, i>{}), ...); }
     (std::make_index_sequence<count>{});
@@ -186,13 +200,14 @@ void shade_run(FragmentBlock& block, const FragmentRun& run, const float* varyin
     [[maybe_unused]] const CornerVaryings corner = {varyings + index.x * stride, varyings + index.y * stride,
                                                     varyings + index.z * stride, varyings + first_or_last * stride};
     [[maybe_unused]] const auto helper = [&](int x, int y) {
-        return interpolate<V>(run, corner, perspective_at(run, x, y), x, y);
+        const Barycentric b = perspective_at(run, x, y);
+        return interpolate<V>(
+            run, corner, [&](size_t i) { return between(corner, i, b); }, x, y);
     };
     Fragment<V> fragment{};
     fragment.front = run.triangle->front;
     fragment.primitive = run.triangle->primitive;
     fragment.counters = block.counters;
-    FragmentOutput output;
     for (std::uint64_t rest = run.mask; rest; rest &= rest - 1) {
         const int bit = std::countr_zero(rest);
         const auto at = static_cast<size_t>(bit);
@@ -201,7 +216,8 @@ void shade_run(FragmentBlock& block, const FragmentRun& run, const float* varyin
         fragment.depth = block.depth[at];
         if constexpr (has_varyings) {
             fragment.inverse_w = block.inverse_w[at];
-            fragment.varyings = interpolate<V>(run, corner, {block.second[at], block.third[at]}, x, y);
+            fragment.varyings = interpolate<V>(
+                run, corner, [&](size_t i) { return block.varyings[i][at]; }, x, y);
             if (flags
                     .derivatives) { // quads sit on even coordinates; helpers beyond the triangle extrapolate its planes
                 const int left = x & ~1, bottom = y & ~1;
@@ -209,13 +225,11 @@ void shade_run(FragmentBlock& block, const FragmentRun& run, const float* varyin
                 fragment.ddy = difference(helper(x, bottom + 1), helper(x, bottom));
             }
         }
+        FragmentOutput output{FragmentColors(&block.color->front()[at]), fragment.depth};
         for (size_t c = 0; c < color_count; ++c) output.color[c] = vec4(0.0f); // what a program leaves alone is zero
-        output.depth = fragment.depth;
-        output.discarded = false;
         program(std::as_const(fragment), output);
         if (output.discarded) block.kept &= ~(std::uint64_t{1} << bit);
         block.depth[at] = output.depth;
-        for (size_t c = 0; c < color_count; ++c) (*block.color)[c][at] = output.color[c];
     }
 }
 
@@ -230,7 +244,8 @@ void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, cons
           const FragmentProgram<Program>& fragment_program, const Targets& targets) {
     using Output = std::invoke_result_t<VertexProgram, std::uint32_t>;
     using V = typename detail::VaryingsOf<Output>::type;
-    static_assert(std::is_empty_v<V> || sizeof(V) % sizeof(float) == 0, "varyings are floats");
+    static_assert(std::is_empty_v<V> || (sizeof(V) % sizeof(float) == 0 && sizeof(V) <= 4 * detail::max_varyings),
+                  "varyings are floats, and not too many");
     constexpr bool has_varyings = !std::is_empty_v<V>;
     constexpr bool depth_only_program = std::is_same_v<Program, DepthOnly>;
     detail::Draw call;

@@ -52,6 +52,24 @@ void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, 
     }
 }
 
+void varyings(const float* v0, const float* v1, const float* v2, std::size_t count, std::uint64_t mask,
+              const float* second, const float* third, float* out) {
+    const hn::CappedTag<float, block_side> f;
+    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<float, block_side>());
+    for (std::size_t i = 0; i < count; ++i, out += 64) {
+        const auto start = hn::Set(f, v0[i]), d1 = hn::Set(f, v1[i] - v0[i]), d2 = hn::Set(f, v2[i] - v0[i]);
+        std::size_t at = 0;
+        for (std::uint64_t rest = mask; rest; rest >>= 8, at += 8) {
+            if (!(rest & 0xff)) continue;
+            for (std::size_t p = 0; p < 8; p += lanes) {
+                const auto b1 = hn::LoadU(f, second + at + p), b2 = hn::LoadU(f, third + at + p);
+                const auto value = hn::Add(hn::Add(start, hn::Mul(b1, d1)), hn::Mul(b2, d2));
+                hn::BlendedStore(value, mask_of(f, (rest & 0xff) >> p), f, out + at + p);
+            }
+        }
+    }
+}
+
 std::uint64_t equal_ids(const std::uint32_t* ids, std::uint32_t id) {
     const hn::CappedTag<std::uint32_t, block_side> u;
     const auto wanted = hn::Set(u, id);
@@ -128,11 +146,11 @@ std::uint64_t test_d32f(const SetupTriangle& t, int x, int y, std::uint64_t mask
 
 const Kernels* table() {
 #if HWY_TARGET == HWY_AVX3
-    static constexpr Kernels kernels = {"avx512", coverage, depth, barycentrics, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx512", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
 #elif HWY_TARGET == HWY_AVX2
-    static constexpr Kernels kernels = {"avx2", coverage, depth, barycentrics, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx2", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
 #else
-    static constexpr Kernels kernels = {"plain", coverage, depth, barycentrics, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"plain", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
 #endif
     return &kernels;
 }

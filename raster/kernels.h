@@ -28,6 +28,11 @@ struct Kernels {
     void (*barycentrics)(const SetupTriangle& triangle, const AttributePlanes& planes, int x, int y, std::uint64_t mask,
                          float* inverse_w, float* second, float* third);
 
+    // Varyings of every pixel in the mask, from the corners' and the barycentric coordinates of `second` and `third`:
+    // `count` floats each, out[64·i + pixel] = v0[i] + second·(v1[i] − v0[i]) + third·(v2[i] − v0[i]) in float.
+    void (*varyings)(const float* v0, const float* v1, const float* v2, std::size_t count, std::uint64_t mask,
+                     const float* second, const float* third, float* out);
+
     // Depth test of a D32F block whose lower left value is at `stored`, rows `stride` floats apart: the pixels of the
     // mask that pass; their depth is stored if `write`.
     std::uint64_t (*test_d32f)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, float* stored,

@@ -200,9 +200,14 @@ void set_inputs(const TileDraw& tile, const FragmentRun& run, FragmentBlock& blo
     for_each_pixel(run.mask, [&](int bit) {
         block.depth[static_cast<size_t>(bit)] = static_cast<float>(depth[static_cast<size_t>(bit)]);
     });
-    if (run.planes)
-        tile.kernels->barycentrics(*run.triangle, *run.planes, block.x, block.y, run.mask, block.inverse_w.data(),
-                                   block.second.data(), block.third.data());
+    if (!run.planes) return;
+    tile.kernels->barycentrics(*run.triangle, *run.planes, block.x, block.y, run.mask, block.inverse_w.data(),
+                               block.second.data(), block.third.data());
+    const uvec3 corner = tile.draw->geometry.triangles[run.triangle->primitive];
+    const auto count = static_cast<size_t>(tile.draw->varying_count);
+    tile.kernels->varyings(tile.varyings + corner.x * count, tile.varyings + corner.y * count,
+                           tile.varyings + corner.z * count, count, run.mask, block.second.data(), block.third.data(),
+                           block.varyings.front().data());
 }
 
 AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces) {
