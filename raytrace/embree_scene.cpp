@@ -129,8 +129,11 @@ struct EmbreeScene::Implementation {
         ShadowQuery query;
     };
     Origin shadow_origin(const Receiver& receiver) const;
-    unsigned seen_mask(Origin& origin, const Receiver& receiver, const float* x, const float* y, const float* z,
-                       size_t count) const;
+    struct Mask {
+        unsigned seen, traced; // bit k: target k
+    };
+    Mask seen_mask(Origin& origin, const Receiver& receiver, const float* x, const float* y, const float* z,
+                   size_t count) const;
 };
 
 EmbreeScene::Implementation::Implementation(const Scene& s) : scene(s) {
@@ -265,9 +268,10 @@ void aim(const Receiver& receiver, vec3 origin, float origin_rounding, const flo
     }
 }
 
-// Bit k is set where the receiver sees target k of up to 16.
-unsigned EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& receiver, const float* x,
-                                                const float* y, const float* z, size_t count) const {
+// For up to 16 targets.
+EmbreeScene::Implementation::Mask EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& receiver,
+                                                                         const float* x, const float* y, const float* z,
+                                                                         size_t count) const {
     RTCRay16 rays;
     alignas(64) int valid[packet_size];
     if (count == packet_size) {
@@ -282,10 +286,10 @@ unsigned EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& 
     }
     unsigned facing = 0, hidden = 0;
     for (unsigned k = 0; k < packet_size; ++k) facing |= (valid[k] ? 1u : 0u) << k;
-    if (facing == 0) return 0;
+    if (facing == 0) return {0, 0};
     occluded(valid, casters, origin.query.context, reject_own_triangle, rays);
     for (unsigned k = 0; k < packet_size; ++k) hidden |= (rays.tfar[k] < 0.0f ? 1u : 0u) << k;
-    return facing & ~hidden;
+    return {facing & ~hidden, facing};
 }
 
 EmbreeScene::EmbreeScene(const Scene& scene) : implementation_(std::make_unique<Implementation>(scene)) {}
@@ -327,20 +331,23 @@ void EmbreeScene::visible(const Receiver& receiver, std::span<const vec3> target
     float x[packet_size], y[packet_size], z[packet_size];
     for (size_t k = 0; k < targets.size(); ++k) x[k] = targets[k].x, y[k] = targets[k].y, z[k] = targets[k].z;
     auto origin = implementation_->shadow_origin(receiver);
-    const unsigned mask = implementation_->seen_mask(origin, receiver, x, y, z, targets.size());
+    const unsigned mask = implementation_->seen_mask(origin, receiver, x, y, z, targets.size()).seen;
     for (size_t k = 0; k < targets.size(); ++k) seen[k] = mask >> k & 1u;
 }
 
-size_t EmbreeScene::count_visible(const Receiver& receiver, std::span<const float> x, std::span<const float> y,
-                                  std::span<const float> z) const {
+EmbreeScene::SeenCount EmbreeScene::seen_samples(const Receiver& receiver, std::span<const float> x,
+                                                 std::span<const float> y, std::span<const float> z,
+                                                 std::span<std::uint16_t> seen) const {
     auto origin = implementation_->shadow_origin(receiver);
-    size_t seen = 0;
+    SeenCount answer;
     for (size_t first = 0; first < x.size(); first += packet_size) {
         const size_t count = std::min(packet_size, x.size() - first);
-        const unsigned mask = implementation_->seen_mask(origin, receiver, &x[first], &y[first], &z[first], count);
-        seen += static_cast<size_t>(__builtin_popcount(mask));
+        const auto mask = implementation_->seen_mask(origin, receiver, &x[first], &y[first], &z[first], count);
+        seen[first / packet_size] = static_cast<std::uint16_t>(mask.seen);
+        answer.seen += static_cast<size_t>(__builtin_popcount(mask.seen));
+        answer.rays += __builtin_popcount(mask.traced);
     }
-    return seen;
+    return answer;
 }
 
 bool EmbreeScene::visible_direction(const Receiver& receiver, vec3 unit_direction) const {

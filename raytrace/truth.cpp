@@ -4,14 +4,16 @@
 
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "raytrace/occlusion.h"
 
 namespace gnomon {
 namespace {
 
-// Sample positions of one receiver, as arrays of coordinates for EmbreeScene::count_visible.
+// Sample positions of one receiver and which of them it sees.
 struct Targets {
-    explicit Targets(size_t count) : u(count), v(count), x(count), y(count), z(count) {}
+    explicit Targets(size_t count) : u(count), v(count), x(count), y(count), z(count), seen(seen_words(count)) {}
     std::vector<float> u, v, x, y, z;
+    std::vector<std::uint16_t> seen;
 };
 
 bool sees_center(const EmbreeScene& scene, const Receiver& receiver, const Light& light) {
@@ -48,12 +50,13 @@ Image<float> area_visibility(const EmbreeScene& scene, const Receivers& receiver
     const auto row = [&](size_t begin, size_t) {
         const int y = static_cast<int>(begin);
         Targets targets(prepared.size());
+        const Occlusion occlusion(scene, light, receivers.row(y));
         for (int x = 0; x < receivers.width(); ++x) {
             const Receiver& receiver = receivers(x, y);
             if (!receiver.valid()) continue;
             fill_pattern(prepared, static_cast<std::uint32_t>(y * receivers.width() + x), seed, targets.u, targets.v);
             light_points(light, receiver.position, targets.u, targets.v, targets.x, targets.y, targets.z);
-            const size_t seen = scene.count_visible(receiver, targets.x, targets.y, targets.z);
+            const size_t seen = occlusion.seen(receiver, {targets.x, targets.y, targets.z}, targets.seen).seen;
             visibility(x, y) = static_cast<float>(seen) / static_cast<float>(samples);
         }
         if (progress) progress->advance();
