@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-bool is_area(LightType type) { return (bit(type) & area_lights) != 0; }
+bool is_area(LightType type) { return (bit(type) & punctual_lights) == 0; }
 
 const char* light_type_name(LightType type) {
     switch (type) {
@@ -25,13 +25,15 @@ const char* light_type_name(LightType type) {
         return "sphere";
     case LightType::TexturedRectangle:
         return "textured-rectangle";
+    case LightType::Mesh:
+        return "mesh";
     }
     return "";
 }
 
 std::vector<std::string> light_type_names(LightTypes types) {
     std::vector<std::string> names;
-    for (int i = 0; i <= static_cast<int>(LightType::TexturedRectangle); ++i)
+    for (int i = 0; i <= static_cast<int>(LightType::Mesh); ++i)
         if (const auto type = static_cast<LightType>(i); types & bit(type)) names.emplace_back(light_type_name(type));
     return names;
 }
@@ -51,6 +53,8 @@ float surface_area(const Light& light) {
         return square;
     case LightType::Sphere:
         return 4.0f * square;
+    case LightType::Mesh:
+        return light.triangles.empty() ? 0.0f : light.triangles.back().area_up_to;
     default:
         return 0.0f;
     }
@@ -123,34 +127,45 @@ inline void points_on(const Figure& figure, std::span<const float> u, std::span<
 constexpr int quadrature_side = 8;
 
 vec3 area_irradiance(const Light& light, vec3 p, vec3 n) {
-    const bool sphere = light.type == LightType::Sphere;
-    const vec3 to_center = light.position - p;
-    const float distance2 = glm::dot(to_center, to_center);
-    const float radius = 0.5f * light.size.x;
-    if (sphere && distance2 <= radius * radius) return vec3(0.0f);
-    // A sphere seen from p is the disk of light_point, which faces p and radiates as much towards it.
-    const float limb2 = sphere ? radius * radius * (1.0f - radius * radius / distance2) : 0.0f;
-    const float area = sphere ? static_cast<float>(pi) * limb2 : surface_area(light);
-    const vec3 facing = sphere ? -to_center / std::sqrt(distance2) : light.direction;
     vec3 sum(0.0f);
     for (int j = 0; j < quadrature_side; ++j)
         for (int i = 0; i < quadrature_side; ++i) {
             const float u = (static_cast<float>(i) + 0.5f) / quadrature_side;
             const float v = (static_cast<float>(j) + 0.5f) / quadrature_side;
-            const vec3 d = light_point(light, u, v, p) - p;
+            const LightSample sample = light_sample(light, u, v, p);
+            const vec3 d = sample.position - p;
             const float d2 = glm::dot(d, d);
             if (d2 <= 0.0f) continue;
-            const float at_receiver = glm::dot(n, d), at_light = -glm::dot(facing, d);
+            const float at_receiver = glm::dot(n, d), at_light = -glm::dot(sample.facing, d);
             if (at_receiver <= 0.0f || at_light <= 0.0f) continue;
-            vec3 radiance = light.intensity;
-            if (light.type == LightType::TexturedRectangle && !light.texture.empty())
-                radiance *= light.texture(std::min(static_cast<int>(u * static_cast<float>(light.texture.width())),
-                                                   light.texture.width() - 1),
-                                          std::min(static_cast<int>(v * static_cast<float>(light.texture.height())),
-                                                   light.texture.height() - 1));
-            sum += radiance * (at_receiver * at_light / (d2 * d2));
+            sum += sample.radiance * (sample.area * at_receiver * at_light / (d2 * d2));
         }
-    return sum * (area / (quadrature_side * quadrature_side));
+    return sum / static_cast<float>(quadrature_side * quadrature_side);
+}
+
+vec3 texel_at(const Image<vec3>& texture, float u, float v) {
+    const auto texel = [](float at, int count) {
+        return std::min(static_cast<int>(at * static_cast<float>(count)), count - 1);
+    };
+    return texture(texel(u, texture.width()), texel(v, texture.height()));
+}
+
+// The triangle of a mesh that u falls on, and where in it u lies: in [0, 1).
+const LightTriangle& triangle_at(const Light& light, float& u) {
+    const float area = u * light.triangles.back().area_up_to;
+    auto found = std::upper_bound(light.triangles.begin(), light.triangles.end(), area,
+                                  [](float value, const LightTriangle& t) { return value < t.area_up_to; });
+    if (found == light.triangles.end()) --found;
+    const float before = found == light.triangles.begin() ? 0.0f : (found - 1)->area_up_to;
+    u = std::clamp((area - before) / (found->area_up_to - before), 0.0f, 1.0f);
+    return *found;
+}
+
+vec3 point_on_mesh(const Light& light, float u, float v) {
+    const LightTriangle& t = triangle_at(light, u);
+    const float shift = 0.5f * std::min(u, v);
+    const float b = u > v ? u - shift : shift, c = u > v ? shift : v - shift;
+    return t.a + (t.b - t.a) * b + (t.c - t.a) * c;
 }
 
 float spot_factor(const Light& light, vec3 to_light) {
@@ -163,7 +178,29 @@ float spot_factor(const Light& light, vec3 to_light) {
 
 } // namespace
 
+void set_triangles(Light& light, std::span<const vec3> corners) {
+    light.triangles.clear();
+    double area = 0;
+    dvec3 center(0), normals(0);
+    for (size_t i = 0; i + 2 < corners.size(); i += 3) {
+        const dvec3 a(corners[i]), b(corners[i + 1]), c(corners[i + 2]);
+        const dvec3 normal = glm::cross(b - a, c - a) * 0.5;
+        const double own = glm::length(normal);
+        const auto up_to = static_cast<float>(area + own);
+        if (!(up_to > static_cast<float>(area))) continue;
+        area += own;
+        center += (a + b + c) / 3.0 * own;
+        normals += normal;
+        light.triangles.push_back({corners[i], corners[i + 1], corners[i + 2], vec3(normal / own), up_to});
+    }
+    if (area > 0) light.position = vec3(center / area);
+    const double length = glm::length(normals);
+    light.direction = length > 1e-6 * area ? vec3(normals / length) : vec3(0, -1, 0);
+    light.tangent = any_tangent(light.direction);
+}
+
 vec3 light_point(const Light& light, float u, float v, vec3 receiver) {
+    if (light.type == LightType::Mesh) return point_on_mesh(light, u, v);
     const Figure figure = figure_of(light, receiver);
     return point_on(figure, figure.disk, u, v);
 }
@@ -171,11 +208,42 @@ vec3 light_point(const Light& light, float u, float v, vec3 receiver) {
 GNOMON_VECTOR_CLONES
 void light_points(const Light& light, vec3 receiver, std::span<const float> u, std::span<const float> v,
                   std::span<float> x, std::span<float> y, std::span<float> z) {
+    if (light.type == LightType::Mesh) {
+        for (size_t i = 0; i < u.size(); ++i) {
+            const vec3 p = point_on_mesh(light, u[i], v[i]);
+            x[i] = p.x, y[i] = p.y, z[i] = p.z;
+        }
+        return;
+    }
     const Figure figure = figure_of(light, receiver);
     if (figure.disk)
         points_on<true>(figure, u, v, x.data(), y.data(), z.data());
     else
         points_on<false>(figure, u, v, x.data(), y.data(), z.data());
+}
+
+LightSample light_sample(const Light& light, float u, float v, vec3 receiver) {
+    LightSample sample{light_point(light, u, v, receiver), light.direction, light.intensity, surface_area(light)};
+    switch (light.type) {
+    case LightType::TexturedRectangle:
+        if (!light.texture.empty()) sample.radiance *= texel_at(light.texture, u, v);
+        break;
+    case LightType::Sphere: {
+        // Seen from the receiver it is the disk of light_point, which faces it and radiates as much towards it.
+        const vec3 to_receiver = receiver - light.position;
+        const float radius2 = 0.25f * light.size.x * light.size.x, distance2 = glm::dot(to_receiver, to_receiver);
+        if (distance2 <= radius2) return {sample.position, light.direction, vec3(0.0f), 0.0f};
+        sample.facing = to_receiver / std::sqrt(distance2);
+        sample.area = static_cast<float>(pi) * radius2 * (1.0f - radius2 / distance2);
+        break;
+    }
+    case LightType::Mesh:
+        sample.facing = triangle_at(light, u).normal;
+        break;
+    default:
+        break;
+    }
+    return sample;
 }
 
 vec3 direction_to_light(const Light& light, vec3 p) {

@@ -137,7 +137,7 @@ TEST_CASE("all lights, cameras, textures and awkward numbers survive export and 
     add_object(scene, "bare", plane_mesh({1, 1}), translation({0, -1, 0}), 0);
     int count = 0;
     for (const LightType type : {LightType::Point, LightType::Spot, LightType::Directional, LightType::Rectangle,
-                                 LightType::Disk, LightType::Sphere, LightType::TexturedRectangle}) {
+                                 LightType::Disk, LightType::Sphere, LightType::TexturedRectangle, LightType::Mesh}) {
         Light light;
         light.name = light_type_name(type);
         light.type = type;
@@ -152,6 +152,10 @@ TEST_CASE("all lights, cameras, textures and awkward numbers survive export and 
             light.texture = Image<vec3>(2, 3, vec3(0.25f));
             light.texture(1, 2) = {1e-9f, 2.5f, 1e9f};
         }
+        if (type == LightType::Mesh)
+            set_triangles(light,
+                          std::vector<vec3>{
+                              {0.1f, 2, 3}, {1e-3f, 2.5f, 3}, {0.7f, 9, -1e4f}, {0, 0, 0}, {0, 1, 0}, {1, 1, 0.3f}});
         scene.lights.push_back(light);
     }
     scene.cameras.push_back(look_at({1, 2, 9}, {0.3f, 0.1f, 0}, 0.77f));
