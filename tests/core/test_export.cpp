@@ -145,7 +145,8 @@ TEST_CASE("all lights, cameras, textures and awkward numbers survive export and 
         light.direction = glm::normalize(vec3(0.3f, -1.0f, 0.1f * static_cast<float>(count)));
         light.tangent = any_tangent(light.direction);
         light.intensity = {1.1f, 1e-3f * static_cast<float>(count), 3e4f};
-        if (is_area(type)) light.size = vec2(0.7f, type == LightType::Disk || type == LightType::Sphere ? 0.7f : 1.3f);
+        if (is_area(type) && type != LightType::Mesh)
+            light.size = vec2(0.7f, type == LightType::Disk || type == LightType::Sphere ? 0.7f : 1.3f);
         if (type == LightType::Spot) light.inner_cone = 0.123f, light.outer_cone = 0.456f;
         if (type == LightType::Point) light.range = 12.3f;
         if (type == LightType::TexturedRectangle) {
