@@ -62,15 +62,6 @@ std::vector<std::uint32_t> sobol_second_dimension(size_t count) {
     return y;
 }
 
-// Cell i of `samples`: rows of as nearly the same number of cells as can be, row j from cell ⌊j·N/rows⌋ on.
-PatternCell cell_of(std::uint32_t i, std::uint32_t samples) {
-    const auto rows = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::lround(std::sqrt(samples))));
-    const auto start = [&](std::uint64_t row) { return row * samples / rows; };
-    const std::uint64_t row = ((i + 1) * rows - 1) / samples;
-    return {static_cast<float>(i - start(row)), static_cast<float>(start(row + 1) - start(row)),
-            static_cast<float>(start(row))};
-}
-
 // Interleaves the upper 16 bits of two coordinates: sorted by it, neighbours in the list are neighbours in the square.
 std::uint32_t morton(std::uint32_t x, std::uint32_t y) {
     const auto spread = [](std::uint32_t v) {
@@ -218,7 +209,7 @@ void prepare_points(PreparedPattern& prepared, std::uint32_t first) {
         break;
     case Pattern::Stratified:
     case Pattern::Grid:
-        for (const std::uint32_t i : prepared.index) prepared.cells.push_back(cell_of(i, prepared.samples));
+        for (const std::uint32_t i : prepared.index) prepared.cells.push_back(grid_cell(i, prepared.samples));
         break;
     case Pattern::Random:
         break;
@@ -226,6 +217,15 @@ void prepare_points(PreparedPattern& prepared, std::uint32_t first) {
 }
 
 } // namespace
+
+// Rows of as nearly the same number of cells as can be, row j from cell ⌊j·N/rows⌋ on.
+PatternCell grid_cell(std::uint32_t i, std::uint32_t samples) {
+    const auto rows = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::lround(std::sqrt(samples))));
+    const auto start = [&](std::uint64_t row) { return row * samples / rows; };
+    const std::uint64_t row = ((i + 1) * rows - 1) / samples;
+    return {static_cast<float>(i - start(row)), static_cast<float>(start(row + 1) - start(row)),
+            static_cast<float>(start(row))};
+}
 
 PreparedPattern prepare_pattern(Pattern pattern, int samples, SampleOrder order, int first) {
     if (samples < 1) throw UsageError("a pattern needs at least one sample, not " + std::to_string(samples));

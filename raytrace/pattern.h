@@ -38,6 +38,9 @@ struct PatternCell {
     float first = 0;               // how many cells the rows before it have
 };
 
+// Cell i of so many.
+PatternCell grid_cell(std::uint32_t i, std::uint32_t samples);
+
 struct PreparedPattern {
     Pattern pattern = Pattern::Sobol;
     std::uint32_t samples = 0;        // N, the points before `first` included

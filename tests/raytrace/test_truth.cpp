@@ -131,7 +131,7 @@ TEST_CASE("a box's shadow of a point light is the projected top face", "[raytrac
         for (const float s : {-0.79f, 0.0f, 0.31f, 0.79f})
             points.insert(points.end(), {{d, 0, s}, {-d, 0, s}, {s, 0, d}, {s, 0, -d}});
     const Image<float> visibility =
-        hard_visibility(rays, receivers_on_floor(points, 0), light_at(LightType::Point, {0, 4, 0}));
+        hard_truth(rays, receivers_on_floor(points, 0), light_at(LightType::Point, {0, 4, 0})).visibility;
     for (size_t i = 0; i < points.size(); ++i) {
         INFO(points[i].x << ", " << points[i].z);
         const bool hidden = std::max(std::abs(points[i].x), std::abs(points[i].z)) < 0.8f;
