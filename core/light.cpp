@@ -123,26 +123,6 @@ inline void points_on(const Figure& figure, std::span<const float> u, std::span<
     }
 }
 
-// Cosine-weighted sum over light_point's 8×8 cells; each cell carries the same share of the light.
-constexpr int quadrature_side = 8;
-
-vec3 area_irradiance(const Light& light, vec3 p, vec3 n) {
-    vec3 sum(0.0f);
-    for (int j = 0; j < quadrature_side; ++j)
-        for (int i = 0; i < quadrature_side; ++i) {
-            const float u = (static_cast<float>(i) + 0.5f) / quadrature_side;
-            const float v = (static_cast<float>(j) + 0.5f) / quadrature_side;
-            const LightSample sample = light_sample(light, u, v, p);
-            const vec3 d = sample.position - p;
-            const float d2 = glm::dot(d, d);
-            if (d2 <= 0.0f) continue;
-            const float at_receiver = glm::dot(n, d), at_light = -glm::dot(sample.facing, d);
-            if (at_receiver <= 0.0f || at_light <= 0.0f) continue;
-            sum += sample.radiance * (sample.area * at_receiver * at_light / (d2 * d2));
-        }
-    return sum / static_cast<float>(quadrature_side * quadrature_side);
-}
-
 vec3 texel_at(const Image<vec3>& texture, float u, float v) {
     const auto texel = [](float at, int count) {
         return std::min(static_cast<int>(at * static_cast<float>(count)), count - 1);
@@ -166,6 +146,64 @@ vec3 point_on_mesh(const Light& light, float u, float v) {
     const float shift = 0.5f * std::min(u, v);
     const float b = u > v ? u - shift : shift, c = u > v ? shift : v - shift;
     return t.a + (t.b - t.a) * b + (t.c - t.a) * c;
+}
+
+// A light seen from one receiver: what its samples have in common. A sphere is the disk of light_point, which faces the
+// receiver and radiates as much towards it; from inside it sends nothing.
+struct Emitter {
+    const Light& light;
+    Figure figure;
+    LightSample common;
+};
+
+Emitter emitter_of(const Light& light, vec3 receiver) {
+    Emitter emitter{light, figure_of(light, receiver), {{}, light.direction, light.intensity, surface_area(light)}};
+    if (light.type != LightType::Sphere) return emitter;
+    const vec3 to_receiver = receiver - light.position;
+    const float radius2 = 0.25f * light.size.x * light.size.x, distance2 = glm::dot(to_receiver, to_receiver);
+    if (distance2 <= radius2) {
+        emitter.common.radiance = vec3(0.0f);
+        emitter.common.area = 0.0f;
+        return emitter;
+    }
+    emitter.common.facing = to_receiver / std::sqrt(distance2);
+    emitter.common.area = static_cast<float>(pi) * radius2 * (1.0f - radius2 / distance2);
+    return emitter;
+}
+
+LightSample sample_of(const Emitter& emitter, float u, float v) {
+    LightSample sample = emitter.common;
+    const Light& light = emitter.light;
+    if (light.type == LightType::Mesh) {
+        sample.position = point_on_mesh(light, u, v);
+        sample.facing = triangle_at(light, u).normal;
+        return sample;
+    }
+    sample.position = point_on(emitter.figure, emitter.figure.disk, u, v);
+    if (light.type == LightType::TexturedRectangle && !light.texture.empty())
+        sample.radiance *= texel_at(light.texture, u, v);
+    return sample;
+}
+
+// Cosine-weighted sum over light_point's 8×8 cells; each cell carries the same share of the light.
+constexpr int quadrature_side = 8;
+
+vec3 area_irradiance(const Light& light, vec3 p, vec3 n) {
+    const Emitter emitter = emitter_of(light, p);
+    vec3 sum(0.0f);
+    for (int j = 0; j < quadrature_side; ++j)
+        for (int i = 0; i < quadrature_side; ++i) {
+            const float u = (static_cast<float>(i) + 0.5f) / quadrature_side;
+            const float v = (static_cast<float>(j) + 0.5f) / quadrature_side;
+            const LightSample sample = sample_of(emitter, u, v);
+            const vec3 d = sample.position - p;
+            const float d2 = glm::dot(d, d);
+            if (d2 <= 0.0f) continue;
+            const float at_receiver = glm::dot(n, d), at_light = -glm::dot(sample.facing, d);
+            if (at_receiver <= 0.0f || at_light <= 0.0f) continue;
+            sum += sample.radiance * (sample.area * at_receiver * at_light / (d2 * d2));
+        }
+    return sum / static_cast<float>(quadrature_side * quadrature_side);
 }
 
 float spot_factor(const Light& light, vec3 to_light) {
@@ -223,27 +261,7 @@ void light_points(const Light& light, vec3 receiver, std::span<const float> u, s
 }
 
 LightSample light_sample(const Light& light, float u, float v, vec3 receiver) {
-    LightSample sample{light_point(light, u, v, receiver), light.direction, light.intensity, surface_area(light)};
-    switch (light.type) {
-    case LightType::TexturedRectangle:
-        if (!light.texture.empty()) sample.radiance *= texel_at(light.texture, u, v);
-        break;
-    case LightType::Sphere: {
-        // Seen from the receiver it is the disk of light_point, which faces it and radiates as much towards it.
-        const vec3 to_receiver = receiver - light.position;
-        const float radius2 = 0.25f * light.size.x * light.size.x, distance2 = glm::dot(to_receiver, to_receiver);
-        if (distance2 <= radius2) return {sample.position, light.direction, vec3(0.0f), 0.0f};
-        sample.facing = to_receiver / std::sqrt(distance2);
-        sample.area = static_cast<float>(pi) * radius2 * (1.0f - radius2 / distance2);
-        break;
-    }
-    case LightType::Mesh:
-        sample.facing = triangle_at(light, u).normal;
-        break;
-    default:
-        break;
-    }
-    return sample;
+    return sample_of(emitter_of(light, receiver), u, v);
 }
 
 vec3 direction_to_light(const Light& light, vec3 p) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <map>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -18,27 +16,6 @@
 namespace gnomon {
 namespace {
 
-// Samples [first, end) of the pattern, made when first asked for: which are needed depends on what a state holds.
-class PatternSet {
-public:
-    explicit PatternSet(Pattern pattern) : pattern_(pattern) {}
-
-    const PreparedPattern& range(std::uint32_t first, std::uint32_t end) {
-        const std::lock_guard lock(making_);
-        const auto found = prepared_.find({first, end});
-        if (found != prepared_.end()) return found->second;
-        return prepared_
-            .emplace(std::pair(first, end),
-                     prepare_pattern(pattern_, static_cast<int>(end), SampleOrder::Packed, static_cast<int>(first)))
-            .first->second;
-    }
-
-private:
-    Pattern pattern_;
-    std::mutex making_;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, PreparedPattern> prepared_; // a map's values stay where they are
-};
-
 // Sample positions of one receiver and which of them it sees; one a thread and tile.
 struct Scratch {
     std::vector<float> u, v, x, y, z;
@@ -52,13 +29,34 @@ struct Scratch {
 // The samples of a sequence are traced up to 64, 256, 1024, … and the rest, those of a stage packed among themselves.
 // Which samples share a packet of rays is then the same whether a run stopped between stages or not: what Embree rounds
 // may depend on a ray's company.
-std::vector<std::uint32_t> stages(const TruthSettings& settings) {
+std::vector<std::uint32_t> stage_counts(const TruthSettings& settings) {
     std::vector<std::uint32_t> counts;
     const auto samples = static_cast<std::uint32_t>(settings.samples);
     if (is_sequence(settings.pattern))
         for (std::uint32_t count = 64; count < samples; count *= 4) counts.push_back(count);
     counts.push_back(samples);
     return counts;
+}
+
+// The pattern by stages.
+struct Stages {
+    std::vector<std::uint32_t> counts;  // samples at the end of each
+    std::vector<PreparedPattern> steps; // the samples that each adds
+    std::vector<PreparedPattern> whole; // all up to its end; empty where nobody asks before the last
+};
+
+Stages prepare_stages(const TruthSettings& settings) {
+    Stages prepared{stage_counts(settings), {}, {}};
+    int first = 0;
+    for (const std::uint32_t count : prepared.counts) {
+        const int samples = static_cast<int>(count);
+        const bool asked = settings.target_error > 0 || count == prepared.counts.back();
+        prepared.steps.push_back(prepare_pattern(settings.pattern, samples, SampleOrder::Packed, first));
+        prepared.whole.push_back(asked ? prepare_pattern(settings.pattern, samples, SampleOrder::Packed)
+                                       : PreparedPattern{});
+        first = samples;
+    }
+    return prepared;
 }
 
 // Cuts what an earlier run traced back to whole stages. The last is cut short by the number of samples, so only the
@@ -76,55 +74,57 @@ struct Job {
     const Light& light;
     const TruthSettings settings;
     const TruthRun& run;
-    const std::vector<std::uint32_t> counts; // stages
-    PatternSet patterns;
+    const Stages stages;
     TruthAnswer answer;
     std::atomic<std::int64_t> rays{0}; // a sum of integers: the same in any order
 
     void tile(size_t index);
-    void settle(Scratch& scratch, const Occlusion& occlusion, int x, int y, SampleBits& bits);
-    void trace(Scratch& scratch, const Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
-               SampleBits& bits, std::uint32_t samples);
+    std::int64_t settle(Scratch& scratch, const Occlusion& occlusion, int x, int y, SampleBits& bits);
+    std::int64_t trace(Scratch& scratch, const Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
+                       SampleBits& bits, const PreparedPattern& samples);
     vec3 radiance(Scratch& scratch, const Surface& surface, std::uint32_t pixel, const SampleBits& bits,
-                  std::uint32_t samples);
+                  const PreparedPattern& samples);
 };
 
-void Job::trace(Scratch& scratch, const Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
-                SampleBits& bits, std::uint32_t samples) {
-    const PreparedPattern& prepared = patterns.range(bits.samples(), samples);
-    scratch.resize(prepared.size());
-    fill_pattern(prepared, pixel, settings.seed, scratch.u, scratch.v);
+std::int64_t Job::trace(Scratch& scratch, const Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
+                        SampleBits& bits, const PreparedPattern& samples) {
+    scratch.resize(samples.size());
+    fill_pattern(samples, pixel, settings.seed, scratch.u, scratch.v);
     light_points(light, receiver.position, scratch.u, scratch.v, scratch.x, scratch.y, scratch.z);
-    rays += occlusion.seen(receiver, {scratch.x, scratch.y, scratch.z}, scratch.seen).rays;
-    bits.append(prepared.index, scratch.seen);
+    const std::int64_t traced = occlusion.seen(receiver, {scratch.x, scratch.y, scratch.z}, scratch.seen).rays;
+    bits.append(samples.index, scratch.seen);
+    return traced;
 }
 
 vec3 Job::radiance(Scratch& scratch, const Surface& surface, std::uint32_t pixel, const SampleBits& bits,
-                   std::uint32_t samples) {
+                   const PreparedPattern& samples) {
     if (bits.seen() == 0 || !is_area(light)) return reflected_radiance(settings.brdf, surface, light, {}, {}, {}, bits);
-    const PreparedPattern& prepared = patterns.range(0, samples);
-    scratch.resize(prepared.size());
-    fill_pattern(prepared, pixel, settings.seed, scratch.u, scratch.v);
-    return reflected_radiance(settings.brdf, surface, light, scratch.u, scratch.v, prepared.index, bits);
+    scratch.resize(samples.size());
+    fill_pattern(samples, pixel, settings.seed, scratch.u, scratch.v);
+    return reflected_radiance(settings.brdf, surface, light, scratch.u, scratch.v, samples.index, bits);
 }
 
-// One pixel, from whatever samples it has to its answer. The answer is a function of the first samples of the sequence
-// alone, so it is the same whether they were traced now or earlier.
-void Job::settle(Scratch& scratch, const Occlusion& occlusion, int x, int y, SampleBits& bits) {
+// One pixel, from whatever samples it has to its answer; returns the rays traced. The answer is a function of the first
+// samples of the sequence alone, so it is the same whether they were traced now or earlier.
+std::int64_t Job::settle(Scratch& scratch, const Occlusion& occlusion, int x, int y, SampleBits& bits) {
     const Receiver& receiver = receivers(x, y);
     const auto pixel = static_cast<std::uint32_t>(y * receivers.width() + x);
-    for (const std::uint32_t samples : counts) {
-        if (bits.samples() < samples) trace(scratch, occlusion, receiver, pixel, bits, samples);
-        const bool last = samples == counts.back();
+    std::int64_t traced = 0;
+    for (size_t stage = 0; stage < stages.counts.size(); ++stage) {
+        const std::uint32_t samples = stages.counts[stage];
+        if (bits.samples() < samples) traced += trace(scratch, occlusion, receiver, pixel, bits, stages.steps[stage]);
+        const bool last = samples == stages.counts.back();
         if (!last && settings.target_error <= 0.0f) continue;
-        const float error = is_area(light) ? error_bar(patterns.range(0, samples), bits) : 0.0f;
+        const PreparedPattern& whole = stages.whole[stage];
+        const float error = is_area(light) ? error_bar(whole, bits) : 0.0f;
         if (!last && error > settings.target_error) continue;
         answer.visibility(x, y) = static_cast<float>(bits.seen_of(samples)) / static_cast<float>(samples);
         answer.error(x, y) = error;
         answer.samples(x, y) = static_cast<float>(samples);
-        if (answer.radiance) (*answer.radiance)(x, y) = radiance(scratch, settings.surface(x, y), pixel, bits, samples);
-        return;
+        if (answer.radiance) (*answer.radiance)(x, y) = radiance(scratch, settings.surface(x, y), pixel, bits, whole);
+        break;
     }
+    return traced;
 }
 
 void Job::tile(size_t index) {
@@ -141,17 +141,19 @@ void Job::tile(size_t index) {
         const Occlusion occlusion(scene, light, block);
         std::vector<SampleBits> bits(block.size());
         const bool known = run.state && run.state->load(run.light_index, index, bits);
-        for (SampleBits& pixel_bits : bits) keep_stages(pixel_bits, counts);
+        for (SampleBits& pixel_bits : bits) keep_stages(pixel_bits, stages.counts);
         bool more = !known;
         Scratch scratch;
+        std::int64_t traced = 0;
         size_t i = 0;
         for (int y = bottom; y < top; ++y)
             for (int x = left; x < right; ++x) {
                 if (!receivers(x, y).valid()) continue;
                 const std::uint32_t before = bits[i].samples();
-                settle(scratch, occlusion, x, y, bits[i]);
+                traced += settle(scratch, occlusion, x, y, bits[i]);
                 more |= bits[i++].samples() > before;
             }
+        rays += traced;
         if (run.state && more) run.state->store(run.light_index, index, bits);
         if (run.progress && !more) run.progress->skip((right - left) * (top - bottom));
         if (run.progress && !more) return;
@@ -172,7 +174,7 @@ TruthAnswer area_truth(const EmbreeScene& scene, const Receivers& receivers, con
     check(settings);
     TruthSettings own = settings;
     if (!is_area(light)) own.samples = 1, own.target_error = 0;
-    Job job{scene, receivers, light, own, run, stages(own), PatternSet(own.pattern), {}};
+    Job job{scene, receivers, light, own, run, prepare_stages(own), {}};
     const int width = receivers.width(), height = receivers.height();
     job.answer.visibility = Image<float>(width, height, 1.0f);
     job.answer.error = Image<float>(width, height, 0.0f);
