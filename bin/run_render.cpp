@@ -217,6 +217,7 @@ void begin_long_run(Session& session, const Work& work) {
         truth_identity(session.stage.scene, session.frame.receivers(), session.stage.lights);
     identity["version"] = GNOMON_VERSION;
     for (const char* key : {"pattern", "seed"}) identity[key] = parameters[key];
+    identity["target error"] = parameters["target-error"] > 0 ? "on" : "off";
     Digest digest;
     digest.add_text(identity.dump());
     digest.add_text(parameters.dump());

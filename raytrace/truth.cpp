@@ -26,14 +26,16 @@ struct Scratch {
     }
 };
 
-// The samples of a sequence are traced up to 64, 256, 1024, … and the rest, those of a stage packed among themselves.
-// Which samples share a packet of rays is then the same whether a run stopped between stages or not: what Embree rounds
-// may depend on a ray's company.
+// The samples of a sequence are traced up to 1024, 4096, 16384, … or, where pixels may stop, from 64 on, and those of a
+// stage are packed among themselves: the more, the nearer the rays of a packet are to each other. Which samples share a
+// packet is then the same whether a run stopped between stages or not: what Embree rounds may depend on a ray's
+// company.
 std::vector<std::uint32_t> stage_counts(const TruthSettings& settings) {
     std::vector<std::uint32_t> counts;
     const auto samples = static_cast<std::uint32_t>(settings.samples);
     if (is_sequence(settings.pattern))
-        for (std::uint32_t count = 64; count < samples; count *= 4) counts.push_back(count);
+        for (std::uint32_t count = settings.target_error > 0 ? 64 : 1024; count < samples; count *= 4)
+            counts.push_back(count);
     counts.push_back(samples);
     return counts;
 }

@@ -26,7 +26,8 @@
 namespace gnomon {
 
 // What decides which receiver sees which sample: the shadow casters, the receivers, the lights; one entry each, so that
-// a difference can be named. The pattern and its seed are the caller's to add.
+// a difference can be named. The pattern, its seed and whether pixels may stop early, which decides how rays are
+// packed, are the caller's to add.
 nlohmann::ordered_json truth_identity(const Scene& scene, const Receivers& receivers, std::span<const Light> lights);
 
 class TruthState {

@@ -96,6 +96,7 @@ TEST_CASE("an interrupted truth says how to go on", "[bin][truth]") {
     CHECK(fs::exists(output + ".partial"));
     check_failure(truth(output, {"--resume", "--seed", "2"}), 3, "its seed is 0, this run's is 2");
     check_failure(truth(output, {"--resume", "--pattern", "halton"}), 3, "pattern");
+    check_failure(truth(output, {"--resume", "--target-error", "0.1"}), 3, "its target error is \"off\"");
     check_failure(truth(output, {"--resume", "--size", "80x60"}), 3,
                   "its size is \"160x120\", this run's is \"80x60\"");
     check_failure(truth(output, {"--resume", "--look-from", "1,2,3"}), 3, "its view is");
@@ -104,10 +105,10 @@ TEST_CASE("an interrupted truth says how to go on", "[bin][truth]") {
 }
 
 TEST_CASE("samples can be added to a truth", "[bin][truth]") {
-    for (const std::string pattern : {"sobol", "halton", "poisson", "random", "stratified", "grid"}) {
+    for (const std::string pattern : {"sobol", "poisson", "grid"}) {
         const std::string folder = temporary_folder(), grown = folder + "/grown.exr", whole = folder + "/whole.exr";
         INFO(pattern);
-        const std::vector<std::string> small = {"--pattern", pattern, "--size", "64x48"};
+        const std::vector<std::string> small = {"--pattern", pattern, "--size", "32x24"};
         const auto with = [&](std::vector<std::string> more) {
             more.insert(more.end(), small.begin(), small.end());
             return more;
@@ -117,7 +118,10 @@ TEST_CASE("samples can be added to a truth", "[bin][truth]") {
         check_success(truth(grown, with({"--samples", "1024", "--resume", "--keep-state"})));
         check_success(truth(whole, with({"--samples", "1024"})));
         CHECK(read_bytes(grown) == read_bytes(whole));
-        // Fewer samples than are there, and as many as no stage has.
+        check_success(truth(grown, with({"--samples", "1500", "--resume", "--keep-state"})));
+        check_success(truth(whole, with({"--samples", "1500"})));
+        CHECK(read_bytes(grown) == read_bytes(whole));
+        // Fewer samples than are there.
         check_success(truth(grown, with({"--samples", "300", "--resume"})));
         check_success(truth(whole, with({"--samples", "300"})));
         CHECK(read_bytes(grown) == read_bytes(whole));
@@ -129,7 +133,8 @@ TEST_CASE("radiance and a target error are the same after a resume", "[bin][trut
     const std::string folder = temporary_folder(), grown = folder + "/grown.exr", whole = folder + "/whole.exr";
     const std::vector<std::string> settings = {"--radiance", "ggx",  "--target-error", "0.01",
                                                "--samples",  "4096", "--size",         "64x48"};
-    check_success(truth(grown, {"--samples", "100", "--keep-state", "--size", "64x48"}));
+    check_success(truth(
+        grown, {"--samples", "100", "--target-error", "0.5", "--keep-state", "--size", "64x48", "--radiance", "off"}));
     std::vector<std::string> resumed = settings;
     resumed.push_back("--resume");
     check_success(truth(grown, resumed));
