@@ -98,8 +98,9 @@ TEST_CASE("Statistics have the documented keys", "[cli]") {
         CHECK(stats["techniques"][0].contains(key));
     for (const char* key :
          {"name", "draws", "vertices", "triangles", "clipped", "culled", "fragments_covered", "fragments_passed",
-          "fragments_shaded", "texels_fetched", "bytes_read", "bytes_written", "seconds"})
+          "fragments_shaded", "texels_fetched", "bytes_read", "bytes_written", "rays", "seconds"})
         CHECK(stats["techniques"][0]["passes"][0].contains(key));
+    CHECK(stats["techniques"][0]["passes"][0]["rays"] > 0);
     CHECK(stats["image"]["width"] == 8);
 }
 

@@ -44,6 +44,13 @@ void check_same(const Light& a, const Light& b) {
         CHECK(same_bits(a.inner_cone, b.inner_cone));
         CHECK(same_bits(a.outer_cone, b.outer_cone));
     }
+    REQUIRE(a.triangles.size() == b.triangles.size());
+    for (size_t i = 0; i < a.triangles.size(); ++i) {
+        CHECK(same_bits(a.triangles[i].a, b.triangles[i].a));
+        CHECK(same_bits(a.triangles[i].b, b.triangles[i].b));
+        CHECK(same_bits(a.triangles[i].c, b.triangles[i].c));
+        CHECK(same_bits(a.triangles[i].area_up_to, b.triangles[i].area_up_to));
+    }
     REQUIRE(a.texture.size() == b.texture.size());
     for (size_t i = 0; i < a.texture.size(); ++i) CHECK(same_bits(a.texture.data()[i], b.texture.data()[i]));
 }
@@ -87,6 +94,8 @@ void check_same(const Scene& a, const Scene& b) {
         CHECK(m.name == n.name);
         CHECK(same_bits(m.base_color, n.base_color));
         CHECK(same_bits(m.emission, n.emission));
+        CHECK(same_bits(m.roughness, n.roughness));
+        CHECK(same_bits(m.metallic, n.metallic));
         CHECK(m.base_color_texture == n.base_color_texture);
     }
     REQUIRE(a.lights.size() == b.lights.size());
@@ -128,7 +137,7 @@ TEST_CASE("all lights, cameras, textures and awkward numbers survive export and 
         {"paint", Image<glm::u8vec4>(3, 2, {10, 20, 30, 40}), Texture::Wrap::Mirror, Texture::Wrap::Clamp});
     scene.textures[0].image(2, 1) = {255, 0, 1, 254};
     scene.materials.push_back({"plain \"quoted\" ü", {0.1f, 1.0f, 1e-7f}, vec3(0), -1});
-    scene.materials.push_back({"painted", vec3(0.3f), vec3(0), 0});
+    scene.materials.push_back({"painted", vec3(0.3f), vec3(0), 0, 0.123f, 0.7f});
     scene.materials.push_back({"glowing", vec3(0), {1e-3f, 123.456f, 7e5f}, -1});
     MeshData mesh = box_mesh({-0.0f, 0.1f, 1e-40f}, {1, 2, 3});
     for (const vec3& p : mesh.positions) mesh.uvs.emplace_back(p.x * 0.3f, p.y);
