@@ -95,11 +95,10 @@ void depth_pass(Bench& bench, const Scene& scene, const Camera& camera, Cull cul
             {.width = side, .height = side, .depth = Format::D32F, .stencil = false});
         const auto ours = [&] {
             Pass pass(log, "depth");
-            depth.clear_depth(pass, 1.0f);
             draw(
                 pass, geometry(scene.positions, scene.triangles), state,
                 [&](std::uint32_t i) { return transform(matrix, scene.positions[i]); }, depth_only,
-                Targets{.depth = &depth});
+                Targets{.depth = &depth, .clear_depth = 1.0f});
         };
         const auto theirs = [&] {
             framebuffer.bind();
@@ -140,20 +139,19 @@ void gbuffer_pass(Bench& bench, const Scene& scene) {
                                                   .color = {Format::RGBA32F, Format::RGBA32F}});
         const auto ours = [&] {
             Pass pass(log, "gbuffer");
-            depth.clear_depth(pass, 1.0f);
-            position.clear(pass, vec4(0.0f));
-            normal.clear(pass, vec4(0.0f));
             draw(
                 pass, geometry(scene.positions, scene.triangles), state,
                 [&](std::uint32_t i) {
                     return Vertex<SurfaceVaryings>{transform(matrix, scene.positions[i]),
                                                    {scene.positions[i], scene.normals[i]}};
                 },
-                [](const Fragment<SurfaceVaryings>& in, FragmentOutput& out) {
-                    out.color[0] = vec4(in.varyings.position, 1.0f);
-                    out.color[1] = vec4(glm::normalize(in.varyings.normal), 0.0f);
-                },
-                Targets{.depth = &depth, .color = {&position, &normal}});
+                FragmentProgram{[](const Fragment<SurfaceVaryings>& in, FragmentOutput& out) {
+                                    out.color[0] = vec4(in.varyings.position, 1.0f);
+                                    out.color[1] = vec4(glm::normalize(in.varyings.normal), 0.0f);
+                                },
+                                {.visible_only = true}},
+                Targets{
+                    .depth = &depth, .color = {&position, &normal}, .clear_depth = 1.0f, .clear_color = vec4(0.0f)});
         };
         const auto theirs = [&] {
             framebuffer.bind();
@@ -228,9 +226,8 @@ void volume_pass(Bench& bench, const Scene& scene) {
 
         const auto ours = [&] {
             Pass pass(log, "volume");
-            stencil.clear_uint(pass, 0);
             draw(pass, {static_cast<std::uint32_t>(vertices.size()), triangles}, state, vertex(vertices), depth_only,
-                 Targets{.depth = &depth, .stencil = &stencil});
+                 Targets{.depth = &depth, .stencil = &stencil, .clear_stencil = 0});
         };
         const auto theirs = [&] {
             framebuffer.bind();
@@ -287,11 +284,11 @@ void fill(Bench& bench, Fill fill, const char* fill_name) {
         }
         const auto ours = [&] {
             Pass pass(log, "fill");
-            if (fill == Fill::Write) depth.clear_depth(pass, cleared);
+            Targets targets{.depth = &depth, .stencil = stencil ? &*stencil : nullptr};
+            if (fill == Fill::Write) targets.clear_depth = cleared;
             draw(
                 pass, {static_cast<std::uint32_t>(vertices.size()), triangles}, state,
-                [&](std::uint32_t i) { return vertices[i]; }, depth_only,
-                Targets{.depth = &depth, .stencil = stencil ? &*stencil : nullptr});
+                [&](std::uint32_t i) { return vertices[i]; }, depth_only, targets);
         };
         const auto theirs = [&] {
             framebuffer.bind();
@@ -319,11 +316,10 @@ void scaling(Bench& bench, const Scene& scene) {
     Target depth(Format::D32F, side, side);
     const auto work = [&] {
         Pass pass(log, "depth");
-        depth.clear_depth(pass, 1.0f);
         draw(
             pass, geometry(scene.positions, scene.triangles), state,
             [&](std::uint32_t i) { return transform(matrix, scene.positions[i]); }, depth_only,
-            Targets{.depth = &depth});
+            Targets{.depth = &depth, .clear_depth = 1.0f});
     };
     bench.run(name, work, "gnomon on 1 thread", [&] { with_threads(1, work); });
 }

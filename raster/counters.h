@@ -45,16 +45,21 @@ private:
     std::atomic<std::int64_t> now_{0}, peak_{0};
 };
 
+namespace detail {
+struct DrawScratch;
+}
+
 // The passes of one technique on one light, in the order they were begun.
 struct PassLog {
     std::deque<PassCounters> passes;
     std::shared_ptr<MemoryMeter> memory = std::make_shared<MemoryMeter>();
+    std::shared_ptr<detail::DrawScratch> scratch; // memory that draws leave to the next, made by the first of them
 };
 
 // One named pass, open for as long as the object lives: draws and full-screen programs add to its counters.
 class Pass {
 public:
-    Pass(PassLog& log, std::string name) : start_(std::chrono::steady_clock::now()) {
+    Pass(PassLog& log, std::string name) : log_(&log), start_(std::chrono::steady_clock::now()) {
         counters_ = &log.passes.emplace_back();
         counters_->name = std::move(name);
     }
@@ -63,8 +68,10 @@ public:
     Pass& operator=(const Pass&) = delete;
 
     PassCounters& counters() { return *counters_; }
+    PassLog& log() { return *log_; }
 
 private:
+    PassLog* log_;
     PassCounters* counters_;
     std::chrono::steady_clock::time_point start_;
 };

@@ -1,18 +1,24 @@
 #include "raster/draw.h"
 
 #include <algorithm>
+#include <bit>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "raster/bins.h"
+#include "raster/fast_tile.h"
+#include "raster/setup_kernels.h"
 #include "raster/tile.h"
 
 namespace gnomon::detail {
 namespace {
 
 constexpr size_t vertex_grain = 8192;
-constexpr size_t chunk_triangles = 2048;  // one set-up task
-constexpr size_t batch_triangles = 65536; // set up, then drawn, before the next: bounds the memory of the bins
+constexpr size_t chunk_triangles = 2048; // one set-up task
+constexpr size_t batch_chunks = 64;      // set up, then drawn, before the next: bounds the memory of the bins
+constexpr size_t batch_triangles = batch_chunks * chunk_triangles;
+constexpr size_t most_vertices = size_t{1} << 29;
 
 Rectangle intersect(const Rectangle& a, const Rectangle& b) {
     const int x0 = std::max(a.x, b.x), y0 = std::max(a.y, b.y);
@@ -65,72 +71,100 @@ SetupState setup_state(const Draw& draw, const PipelineState& state, const Targe
     return setup;
 }
 
-// One task's set-up triangles, and for each tile the list of those that may touch it, in order of submission.
-struct Chunk {
-    std::vector<SetupTriangle> triangles;
-    std::vector<AttributePlanes> attributes;
-    std::vector<std::uint32_t> tile_begin; // tiles + 1 offsets into tile_triangles
-    std::vector<std::uint32_t> tile_triangles;
-    SetupCounts counts;
-};
+} // namespace
 
-struct Grid {
-    int x0, y0, columns, rows; // tiles; tile (0, 0) starts at pixel (0, 0)
-    bool multisampled;
-    size_t count() const { return static_cast<size_t>(columns) * static_cast<size_t>(rows); }
-};
-
-// Whether the triangle's edges leave any sample of the tile inside: the corner most inside decides for each edge.
-// Samples lie within half a pixel of the centres.
-bool touches(const SetupTriangle& t, int tile_x, int tile_y, bool multisampled) {
-    const std::int64_t left = tile_x * tile_side * 256 + 128, bottom = tile_y * tile_side * 256 + 128;
-    constexpr std::int64_t span = (tile_side - 1) * 256;
-    for (int e = 0; e < 3; ++e) {
-        const std::int64_t x = t.a[e] > 0 ? left + span : left, y = t.b[e] > 0 ? bottom + span : bottom;
-        const std::int64_t beyond_center = multisampled ? 128 * (std::abs(t.a[e]) + std::abs(t.b[e])) : 0;
-        if (t.a[e] * x + t.b[e] * y + t.c[e] + beyond_center < 0) return false;
-    }
-    return true;
-}
-
-template <class Visit> void for_each_tile(const SetupTriangle& t, const Grid& grid, const Visit& visit) {
-    // Boxes lie inside the target, so the shifts are divisions.
-    const int x0 = t.x0 >> tile_shift, x1 = t.x1 >> tile_shift, y0 = t.y0 >> tile_shift, y1 = t.y1 >> tile_shift;
-    const bool single = x0 == x1 && y0 == y1;
-    for (int y = y0; y <= y1; ++y)
-        for (int x = x0; x <= x1; ++x)
-            if (single || touches(t, x, y, grid.multisampled))
-                visit(static_cast<size_t>(y - grid.y0) * static_cast<size_t>(grid.columns) +
-                      static_cast<size_t>(x - grid.x0));
-}
-
-void bin(Chunk& chunk, const Grid& grid) {
-    // Counting sort by tile, in two passes over the triangles.
-    chunk.tile_begin.assign(grid.count() + 1, 0);
-    for (const SetupTriangle& t : chunk.triangles)
-        for_each_tile(t, grid, [&](size_t tile) { ++chunk.tile_begin[tile + 1]; });
-    for (size_t i = 1; i < chunk.tile_begin.size(); ++i) chunk.tile_begin[i] += chunk.tile_begin[i - 1];
-    chunk.tile_triangles.resize(chunk.tile_begin.back());
-    std::vector<std::uint32_t> next(chunk.tile_begin.begin(), chunk.tile_begin.end() - 1);
-    for (std::uint32_t i = 0; i < chunk.triangles.size(); ++i)
-        for_each_tile(chunk.triangles[i], grid, [&](size_t tile) { chunk.tile_triangles[next[tile]++] = i; });
-}
-
-// All of the fragment and byte counters, summed over tiles in order.
-void draw_batch(const TileDraw& tile_draw, const std::vector<Chunk>& chunks, size_t chunk_count_, const Grid& grid,
-                PassCounters& counters) {
-    std::vector<PassCounters> tile_counters(grid.count());
-    parallel_for(grid.count(), 1, [&](size_t tile, size_t) {
-        const int x = (grid.x0 + static_cast<int>(tile) % grid.columns) * tile_side;
-        const int y = (grid.y0 + static_cast<int>(tile) / grid.columns) * tile_side;
-        for (size_t c = 0; c < chunk_count_; ++c) {
-            const Chunk& chunk = chunks[c];
-            for (std::uint32_t k = chunk.tile_begin[tile]; k < chunk.tile_begin[tile + 1]; ++k) {
-                const std::uint32_t i = chunk.tile_triangles[k];
-                draw_in_tile(tile_draw, chunk.triangles[i], chunk.attributes.empty() ? nullptr : &chunk.attributes[i],
-                             x, y, tile_counters[tile]);
+// Memory that grows to what a draw needs and stays for the next.
+struct DrawScratch {
+    template <class T> class Buffer {
+    public:
+        T* room_for(size_t count) {
+            if (count > capacity_) {
+                data_ = nullptr;
+                data_ = std::make_unique_for_overwrite<T[]>(count);
+                capacity_ = count;
             }
+            return data_.get();
         }
+
+    private:
+        std::unique_ptr<T[]> data_;
+        size_t capacity_ = 0;
+    };
+    Buffer<vec4> positions;
+    Buffer<float> varyings;
+    Buffer<WindowVertex> window;
+    std::vector<Chunk> chunks;
+};
+
+namespace {
+
+void run_vertices(const Draw& draw, const SetupState& setup, vec4* positions, float* varyings, WindowVertex* window) {
+    parallel_for(draw.geometry.vertex_count, vertex_grain, [&](size_t begin, size_t end) {
+        draw.vertices(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), positions, varyings);
+        setup_kernels().to_window(setup, positions + begin, end - begin, window + begin);
+    });
+}
+
+// Clears what the targets ask for, outside the fast path.
+void clear_targets(const Targets& targets) {
+    const auto clear = [&](Target* target, const std::array<std::byte, 16>& texel) {
+        const int width = target->width(targets.level), height = target->height(targets.level);
+        for (int s = 0; s < targets.samples; ++s)
+            parallel_for(static_cast<size_t>(height), 64, [&](size_t begin, size_t end) {
+                target->fill(0, static_cast<int>(begin), width, static_cast<int>(end - begin),
+                             targets.layer * targets.samples + s, targets.level, texel);
+            });
+    };
+    if (targets.depth && targets.clear_depth) clear(targets.depth, targets.depth->cleared_depth(*targets.clear_depth));
+    if (targets.stencil && targets.clear_stencil)
+        clear(targets.stencil, targets.stencil->cleared_uint(*targets.clear_stencil));
+    if (!targets.clear_color) return;
+    for (Target* target : targets.color)
+        if (target) clear(target, target->cleared(*targets.clear_color));
+}
+
+std::int64_t cleared_bytes(const Targets& targets) {
+    std::int64_t bytes = 0;
+    const auto add = [&](const Target* target, bool cleared) {
+        if (!target || !cleared) return;
+        bytes += std::int64_t{target->width(targets.level)} * target->height(targets.level) * target->texel_bytes() *
+                 targets.samples;
+    };
+    add(targets.depth, targets.clear_depth.has_value());
+    add(targets.stencil, targets.clear_stencil.has_value());
+    for (const Target* target : targets.color) add(target, targets.clear_color.has_value());
+    return bytes;
+}
+
+// The tiles of one batch, drawn. With `load`, every tile of the grid starts with the load operations.
+void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast, bool load, const TileGrid& grid,
+                std::span<const Chunk> chunks, PassCounters& counters) {
+    const std::vector<TileWork> work = tiles_with_work(grid, chunks, load);
+    const size_t grain = work.size() > 1024 ? 4 : 1;
+    std::vector<PassCounters> tile_counters(chunk_count(work.size(), grain));
+    const auto draw_tile = [&](size_t k, PassCounters& tile_counter) {
+        const int x = grid.pixel_x(work[k].tile), y = grid.pixel_y(work[k].tile);
+        std::array<TileList, batch_chunks> lists;
+        std::vector<std::uint16_t> merged;
+        size_t count = 0, most_merged = 0;
+        for (std::uint64_t rest = work[k].chunks; rest; rest &= rest - 1)
+            most_merged += chunks[static_cast<size_t>(std::countr_zero(rest))].most_merged();
+        merged.reserve(most_merged);
+        for (std::uint64_t rest = work[k].chunks; rest; rest &= rest - 1) {
+            const Chunk& chunk = chunks[static_cast<size_t>(std::countr_zero(rest))];
+            lists[count++] = {&chunk.triangles, chunk.list(grid, work[k].tile, merged)};
+        }
+        const std::span<const TileList> used(lists.data(), count);
+        if (fast) {
+            draw_fast_tile(tile_draw, *fast, x, y, load, used, tile_counter);
+            return;
+        }
+        for (const TileList& list : used)
+            for (const std::uint16_t i : list.indices)
+                draw_in_tile(tile_draw, list.triangles->data[i], list.triangles->pieces.data(), x, y, tile_counter);
+    };
+    parallel_for(work.size(), grain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) draw_tile(k, tile_counters[begin / grain]);
     });
     for (const PassCounters& c : tile_counters) counters.add(c);
 }
@@ -141,46 +175,53 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     const SetupState setup = setup_state(draw, state, targets);
     PassCounters& counters = pass.counters();
     const std::span<const uvec3> triangles = draw.geometry.triangles;
+    const size_t vertex_count = draw.geometry.vertex_count;
+    if (vertex_count > most_vertices)
+        throw UsageError(fmt::format("a draw has at most {} vertices, not {}", most_vertices, vertex_count));
     ++counters.draws;
-    counters.vertices += draw.geometry.vertex_count;
+    counters.vertices += static_cast<std::int64_t>(vertex_count);
     counters.triangles += static_cast<std::int64_t>(triangles.size());
+    counters.bytes_written += cleared_bytes(targets);
 
-    const auto positions = std::make_unique_for_overwrite<vec4[]>(draw.geometry.vertex_count);
-    const auto varyings =
-        std::make_unique_for_overwrite<float[]>(static_cast<size_t>(draw.varying_count) * draw.geometry.vertex_count);
-    const auto window = std::make_unique_for_overwrite<WindowVertex[]>(draw.geometry.vertex_count);
-    parallel_for(draw.geometry.vertex_count, vertex_grain, [&](size_t begin, size_t end) {
-        draw.vertices(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), positions.get(),
-                      varyings.get());
-        for (size_t i = begin; i < end; ++i) window[i] = to_window(setup, positions[i]);
-    });
+    std::shared_ptr<DrawScratch>& scratch = pass.log().scratch;
+    if (!scratch) scratch = std::make_shared<DrawScratch>();
+    vec4* positions = scratch->positions.room_for(vertex_count);
+    WindowVertex* window = scratch->window.room_for(vertex_count);
+    float* varyings = scratch->varyings.room_for(static_cast<size_t>(draw.varying_count) * vertex_count);
+    run_vertices(draw, setup, positions, varyings, window);
+
+    const std::optional<ListState> fast = list_state(draw, state, targets);
+    const bool load = cleared_bytes(targets) > 0;
+    if (load && !fast) clear_targets(targets);
+    const TileDraw tile_draw = {&draw, &state, &targets, positions, varyings, &kernels()};
+    const ivec2 size = target_size(targets);
+    const bool whole_pixels = setup.multisampled || setup.conservative;
+    const TileGrid whole({0, 0, size.x, size.y}, whole_pixels), drawable(setup.drawable, whole_pixels);
+    bool loading = load && fast;
     if (setup.drawable.width == 0 || setup.drawable.height == 0) {
         counters.culled += static_cast<std::int64_t>(triangles.size());
+        if (loading) draw_batch(tile_draw, fast, true, whole, {}, counters);
         return;
     }
-
-    const Rectangle& d = setup.drawable;
-    const int tx0 = d.x / tile_side, ty0 = d.y / tile_side;
-    const Grid grid = {tx0, ty0, (d.x + d.width - 1) / tile_side - tx0 + 1, (d.y + d.height - 1) / tile_side - ty0 + 1,
-                       setup.multisampled};
-    const TileDraw tile_draw = {&draw, &state, &targets, varyings.get(), &kernels()};
-    std::vector<Chunk> chunks(chunk_count(std::min(triangles.size(), batch_triangles), chunk_triangles));
-    for (size_t first = 0; first < triangles.size(); first += batch_triangles) {
+    std::vector<Chunk>& chunks = scratch->chunks;
+    if (chunks.size() < batch_chunks) chunks.resize(batch_chunks);
+    for (size_t first = 0; first < triangles.size() || loading; first += batch_triangles) {
         const size_t count = std::min(batch_triangles, triangles.size() - first);
+        const TileGrid& grid = loading ? whole : drawable;
         parallel_for(count, chunk_triangles, [&](size_t begin, size_t end) {
             Chunk& chunk = chunks[begin / chunk_triangles];
             chunk.triangles.clear();
-            chunk.attributes.clear();
-            for (size_t i = first + begin; i < first + end; ++i)
-                set_up_triangle(setup, positions.get(), window.get(), triangles[i], static_cast<std::uint32_t>(i),
-                                chunk.triangles, chunk.attributes, chunk.counts);
-            bin(chunk, grid);
+            set_up_triangles(setup, positions, window, triangles.subspan(first + begin, end - begin),
+                             static_cast<std::uint32_t>(first + begin), chunk.triangles);
+            chunk.bin(grid);
         });
-        draw_batch(tile_draw, chunks, chunk_count(count, chunk_triangles), grid, counters);
-    }
-    for (const Chunk& chunk : chunks) {
-        counters.clipped += chunk.counts.clipped;
-        counters.culled += chunk.counts.culled;
+        const size_t used = chunk_count(count, chunk_triangles);
+        draw_batch(tile_draw, fast, loading, grid, std::span(chunks).first(used), counters);
+        for (size_t c = 0; c < used; ++c) {
+            counters.clipped += chunks[c].triangles.counts.clipped;
+            counters.culled += chunks[c].triangles.counts.culled;
+        }
+        loading = false;
     }
 }
 

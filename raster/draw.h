@@ -69,6 +69,9 @@ struct FragmentFlags {
     bool writes_depth = false; // likewise
     bool derivatives = false;  // varyings are evaluated for whole 2×2 quads
     bool per_sample = false;   // with several samples: runs for each of them, at its position
+    // Needs to run for visible fragments only: its one effect is the colours that it gives, so that fragments which
+    // others hide later may be left out, as a tile-based GPU does. It is counted as if it ran for all that pass.
+    bool visible_only = false;
 };
 
 template <class Program> struct FragmentProgram {
@@ -82,6 +85,8 @@ inline constexpr DepthOnly depth_only{};
 
 namespace detail {
 
+using BlockColors = std::array<std::array<vec4, 64>, max_color_targets>;
+
 // An 8×8 block of fragments of one triangle, on its way through the fragment program. Bit 8·j + i is pixel (x + i, y +
 // j).
 struct FragmentBlock {
@@ -90,7 +95,7 @@ struct FragmentBlock {
     int x, y;
     std::uint64_t mask; // in: fragments to shade; out: those not discarded
     std::array<float, 64> depth;
-    std::array<std::array<vec4, 64>, max_color_targets>* color;
+    BlockColors* color;
     PassCounters* counters;
 };
 

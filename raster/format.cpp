@@ -85,7 +85,10 @@ double depth_resolution(Format format, double largest_depth) {
     case Format::D24:
         return 0x1p-24;
     default:
-        return largest_depth > 0 ? std::ldexp(1.0, std::ilogb(largest_depth) - 23) : 0x1p-149;
+        // The exponent's bits of the double, which holds every float as a normal number.
+        if (!(largest_depth > 0)) return 0x1p-149;
+        constexpr std::uint64_t exponent = 0x7ffull << 52;
+        return std::bit_cast<double>((std::bit_cast<std::uint64_t>(largest_depth) & exponent) - (23ull << 52));
     }
 }
 

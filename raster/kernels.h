@@ -6,19 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "raster/depth_tile.h"
 #include "raster/setup.h"
 
 namespace gnomon::detail {
-
-inline constexpr int block_side = 8;
-
-// The three edge functions rebased to a tile: ⌊E/256⌋ at its lower left pixel, stepping by a and b per pixel. Pixel
-// centres are 256 apart, so the remainder is the same everywhere and the sign of the floor is the sign of E. An edge
-// with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
-struct TileEdges {
-    std::int32_t base[3], a[3], b[3];
-    bool empty = false;
-};
 
 // In all of them bit 8·j + i of a mask stands for pixel (x + i, y + j) of an 8×8 block.
 struct Kernels {

@@ -4,19 +4,17 @@
 // tile or thread.
 //
 //  1. Clip in homogeneous space, in double, against near and far (unless depth clamp) and a guard band of 16384 pixels
-//  around
-//     the viewport's centre; each cut runs from the lexicographically smaller end point, so two triangles cut a shared
-//     edge at the same vertex. The polygon is split into a fan from its smallest original vertex.
+//     around the viewport's centre (clip.h). The polygon is split into a fan from its smallest original vertex.
 //  2. oow = 1/w; window x = x·oow·(width/2) + (left + width/2), y alike, z = z·oow·½ + ½ (or z·oow), in float32.
 //  3. x and y are snapped to 1/256 pixel, round to nearest even. Facing, zero area, "off the target" and "no pixel
-//  centre inside the
-//     box" are decided on the snapped coordinates.
+//     centre inside the box" are decided on the snapped coordinates.
 //  4. Edge functions are exact integers; a pixel centre is inside where all three are ≥ 0 after the fill rule's −1 on
 //     exclusive edges (left and bottom edges include their points).
 //  5. Every plane f(x, y) is anchored at the vertex that is smallest by (x, y) and evaluated in double as
 //     (f0 + fy·(y − y0)) + fx·(x − x0).
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -26,30 +24,64 @@
 
 namespace gnomon {
 
+inline constexpr double subpixels = 256.0;
+
 struct Plane {
     double value, dx, dy; // at the triangle's anchor, and per pixel
 };
 
 struct SetupTriangle {
-    std::int64_t a[3], b[3], c[3]; // E = a·x + b·y + c in 1/256 pixels, counter-clockwise, fill rule included in c
-    double anchor_x, anchor_y;     // pixels
-    Plane depth;
-    double depth_minimum, depth_maximum; // of the snapped vertices: depth is clamped to them
+    std::int32_t x[4], y[4]; // snapped corners in 1/256 pixel, counter-clockwise from the anchor; [3] is [0] again
+    float depth;             // window depth at the anchor
+    float depth_minimum, depth_maximum; // of the corners: depth is clamped to them
+    std::uint32_t primitive;            // index in the draw
+    double depth_dx, depth_dy;          // per pixel
     double depth_offset;
-    std::int32_t x0, y0, x1, y1; // pixels whose centres may be covered, inclusive, inside viewport, scissor and target
-    std::uint32_t primitive;     // index in the draw
+    std::uint16_t x0, y0, x1, y1; // pixels whose centres may be covered, inclusive, inside viewport, scissor and target
+    std::uint32_t piece;          // which piece of clipped triangles, or whole
+    std::uint8_t first;           // which submitted corner is the anchor; of a piece: of its own corners
+    bool reversed;                // the corners run against the order of submission
     bool front;
+    bool small; // at most 16 pixels wide and high before any box cut it: edge functions around it fit 32 bits
 
-    double evaluate(const Plane& plane, int x, int y) const {
-        return (plane.value + plane.dy * ((y + 0.5) - anchor_y)) + plane.dx * ((x + 0.5) - anchor_x);
+    static constexpr std::uint32_t whole = 0xffffffffu;
+
+    // Which submitted corner stands at place k.
+    size_t corner(size_t k) const { return (first + (reversed ? 3 - k : k)) % 3; }
+    double anchor_x() const { return x[0] * (1.0 / subpixels); } // pixels
+    double anchor_y() const { return y[0] * (1.0 / subpixels); }
+    double evaluate(const Plane& plane, int px, int py) const {
+        return (plane.value + plane.dy * ((py + 0.5) - anchor_y())) + plane.dx * ((px + 0.5) - anchor_x());
     }
 };
+
+inline constexpr int tile_shift = 6;
+inline constexpr int tile_side = 1 << tile_shift; // pixels: every edge function that crosses a tile fits 32 bits
+
+// The three edge functions rebased to a tile: ⌊E/256⌋ at its lower left pixel, stepping by a and b per pixel. Pixel
+// centres are 256 apart, so the remainder is the same everywhere and the sign of the floor is the sign of E. An edge
+// with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
+struct TileEdges {
+    std::int32_t base[3], a[3], b[3];
+    bool empty = false;
+};
+TileEdges tile_edges(const SetupTriangle& triangle, bool conservative, int tile_x, int tile_y);
 
 // What interpolation needs, as planes: 1/w, the second and third barycentric coordinate over w (perspective), and the
 // two as they are (linear in the window).
 struct AttributePlanes {
     Plane inverse_w, second, third, second_linear, third_linear;
 };
+
+// A triangle cut from a clipped one: its corners' barycentric coordinates in the submitted triangle, and their w.
+struct ClippedPiece {
+    dvec3 barycentric[3];
+    float w[3];
+};
+
+// Of a whole triangle, from the w of its corners in the order of submission; of a piece, from what it carries.
+AttributePlanes attribute_planes(const SetupTriangle& triangle, const vec3& w);
+AttributePlanes attribute_planes(const SetupTriangle& triangle, const ClippedPiece& piece);
 
 // Sample positions in 1/256 pixel from the pixel's lower left corner, in the targets' memory order. [Vulkan 1.3, 25.3
 // "Standard sample locations"; D3D11.3 19.2.4.1]
@@ -72,7 +104,7 @@ struct SetupState {
     bool depth_clamp;
     PolygonOffset polygon_offset;
     Format depth_format; // decides the unit of the polygon offset
-    bool attributes;
+    bool attributes;     // pieces are kept
     bool conservative;
     bool multisampled; // boxes hold every pixel with a sample inside, not only centres
 };
@@ -87,12 +119,24 @@ struct WindowVertex {
 inline constexpr std::uint32_t outside_mask = 63; // one bit for each of the six frustum planes
 inline constexpr std::uint32_t needs_clip = 64;   // beyond near or far (unless depth clamp), or beyond the guard band
 
-WindowVertex to_window(const SetupState& state, const vec4& clip_position);
+// Set-up triangles in order of submission. Memory is kept from one use to the next.
+struct SetupTriangles {
+    std::unique_ptr<SetupTriangle[]> data;
+    size_t count = 0, capacity = 0;
+    std::vector<ClippedPiece> pieces;
+    SetupCounts counts;
 
-// Appends the set-up triangles of the triangle `index` over the vertices: none, one, or a fan where it is clipped.
-// `attributes` grows in step where the state asks for it.
-void set_up_triangle(const SetupState& state, const vec4* positions, const WindowVertex* window, const uvec3& index,
-                     std::uint32_t primitive, std::vector<SetupTriangle>& triangles,
-                     std::vector<AttributePlanes>& attributes, SetupCounts& counts);
+    SetupTriangle* grow(size_t more); // room for them, uninitialized
+    void clear() {
+        count = 0;
+        pieces.clear();
+        counts = {};
+    }
+};
+
+// Appends the set-up triangles of `triangles`, the first of which is primitive `first` of the draw: for each none, one,
+// or a fan where it is clipped.
+void set_up_triangles(const SetupState& state, const vec4* positions, const WindowVertex* window,
+                      std::span<const uvec3> triangles, std::uint32_t first, SetupTriangles& out);
 
 } // namespace gnomon

@@ -69,22 +69,30 @@ size_t Target::level_begin(int level) const {
     return texels * static_cast<size_t>(layers_) * texel_bytes_;
 }
 
-template <class Fill> void Target::fill_rows(Pass& pass, const Fill& fill_texel) {
-    // The first texel is converted once, then copied.
-    std::array<std::byte, 16> value;
-    fill_texel(value.data());
-    const size_t texels = size_ / texel_bytes_;
-    parallel_for(texels, size_t{1} << 18, [&](size_t begin, size_t end) {
-        std::byte* at = bytes_.get() + begin * texel_bytes_;
-        if (texel_bytes_ == 4) {
-            std::uint32_t word;
-            std::memcpy(&word, value.data(), 4);
-            std::fill_n(reinterpret_cast<std::uint32_t*>(at), end - begin, word);
-        } else {
-            for (size_t i = begin; i < end; ++i, at += texel_bytes_) std::memcpy(at, value.data(), texel_bytes_);
-        }
+namespace {
+
+void fill_texels(std::byte* at, size_t texels, size_t texel_bytes, const std::array<std::byte, 16>& value) {
+    if (texel_bytes == 4) {
+        std::uint32_t word;
+        std::memcpy(&word, value.data(), 4);
+        std::fill_n(reinterpret_cast<std::uint32_t*>(at), texels, word);
+    } else {
+        for (size_t i = 0; i < texels; ++i, at += texel_bytes) std::memcpy(at, value.data(), texel_bytes);
+    }
+}
+
+} // namespace
+
+void Target::fill_all(Pass& pass, const std::array<std::byte, 16>& value) {
+    parallel_for(size_ / texel_bytes_, size_t{1} << 18, [&](size_t begin, size_t end) {
+        fill_texels(bytes_.get() + begin * texel_bytes_, end - begin, texel_bytes_, value);
     });
     pass.counters().bytes_written += bytes();
+}
+
+void Target::fill(int x, int y, int columns, int rows, int layer, int level, const std::array<std::byte, 16>& value) {
+    for (int j = y; j < y + rows; ++j)
+        fill_texels(texel(x, j, layer, level), static_cast<size_t>(columns), texel_bytes_, value);
 }
 
 namespace {
@@ -136,23 +144,34 @@ void store_texel_uint(Format format, std::byte* at, glm::uvec4 value, std::uint8
 
 } // namespace
 
-void Target::clear(Pass& pass, vec4 value) {
-    fill_rows(pass, [&](std::byte* at) { store_texel(format_, at, value, 15); });
+std::array<std::byte, 16> Target::cleared(vec4 value) const {
+    std::array<std::byte, 16> bytes{};
+    if (info(format_).kind == Kind::Uint)
+        store_texel_uint(format_, bytes.data(), glm::floatBitsToUint(value), 15);
+    else
+        store_texel(format_, bytes.data(), value, 15);
+    return bytes;
 }
 
-void Target::clear_depth(Pass& pass, float depth) {
+std::array<std::byte, 16> Target::cleared_depth(float depth) const {
+    std::array<std::byte, 16> bytes{};
     const std::uint32_t key = depth_key(format_, static_cast<double>(depth));
-    fill_rows(pass, [&](std::byte* at) {
-        if (format_ == Format::D16)
-            write(at, 0, static_cast<std::uint16_t>(key));
-        else
-            write(at, 0, key);
-    });
+    if (format_ == Format::D16)
+        write(bytes.data(), 0, static_cast<std::uint16_t>(key));
+    else
+        write(bytes.data(), 0, key);
+    return bytes;
 }
 
-void Target::clear_uint(Pass& pass, std::uint32_t value) {
-    fill_rows(pass, [&](std::byte* at) { store_texel_uint(format_, at, glm::uvec4(value), 15); });
+std::array<std::byte, 16> Target::cleared_uint(std::uint32_t value) const {
+    std::array<std::byte, 16> bytes{};
+    store_texel_uint(format_, bytes.data(), glm::uvec4(value), 15);
+    return bytes;
 }
+
+void Target::clear(Pass& pass, vec4 value) { fill_all(pass, cleared(value)); }
+void Target::clear_depth(Pass& pass, float depth) { fill_all(pass, cleared_depth(depth)); }
+void Target::clear_uint(Pass& pass, std::uint32_t value) { fill_all(pass, cleared_uint(value)); }
 
 vec4 Target::convert(const std::byte* at) const {
     const FormatInfo& f = info(format_);

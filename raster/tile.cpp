@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
+#include <optional>
 
 #include "raster/blend.h"
 #include "raster/block_tests.h"
@@ -10,25 +12,6 @@ namespace gnomon::detail {
 namespace {
 
 constexpr std::uint64_t all_pixels = ~std::uint64_t{0};
-
-TileEdges rebase(const SetupTriangle& t, int tile_x, int tile_y) {
-    TileEdges edges;
-    constexpr std::int64_t span = tile_side - 1;
-    for (int e = 0; e < 3; ++e) {
-        const std::int64_t corner =
-            t.a[e] * (std::int64_t{tile_x} * 256 + 128) + t.b[e] * (std::int64_t{tile_y} * 256 + 128) + t.c[e];
-        const std::int64_t base = corner >> 8;
-        const std::int64_t least =
-            base + span * (std::min<std::int64_t>(t.a[e], 0) + std::min<std::int64_t>(t.b[e], 0));
-        const std::int64_t most = base + span * (std::max<std::int64_t>(t.a[e], 0) + std::max<std::int64_t>(t.b[e], 0));
-        edges.empty |= most < 0;
-        const bool inside = least >= 0;
-        edges.base[e] = inside || most < 0 ? 0 : static_cast<std::int32_t>(base);
-        edges.a[e] = inside ? 0 : static_cast<std::int32_t>(t.a[e]);
-        edges.b[e] = inside ? 0 : static_cast<std::int32_t>(t.b[e]);
-    }
-    return edges;
-}
 
 // Pixels of the block at (x, y) that lie in the inclusive box.
 std::uint64_t box_mask(const SetupTriangle& t, int x, int y) {
@@ -39,8 +22,6 @@ std::uint64_t box_mask(const SetupTriangle& t, int x, int y) {
     const std::uint64_t rows = (all_pixels >> (8 * (7 - y1))) & (all_pixels << (8 * y0));
     return (row * 0x0101010101010101ull) & rows;
 }
-
-using Colors = std::array<std::array<vec4, 64>, max_color_targets>;
 
 glm::uvec4 combined(LogicOp op, glm::uvec4 source, const Target& target, int x, int y, int layer, int level) {
     switch (op) {
@@ -62,34 +43,24 @@ glm::uvec4 combined(LogicOp op, glm::uvec4 source, const Target& target, int x, 
     return source;
 }
 
-void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const Colors& colors,
-                  PassCounters& counters) {
-    const int level = tile.targets->level;
-    for (size_t c = 0; c < tile.targets->color.size(); ++c) {
-        Target* target = tile.targets->color[c];
-        const std::uint8_t channels = tile.state->color_mask[c];
-        if (!target || channels == 0) continue;
-        const FormatInfo& format = info(target->format());
-        const bool integer = format.kind == FormatInfo::Kind::Uint;
-        const bool blended = tile.state->blend.enabled && !integer;
-        counters.bytes_written += std::popcount(mask) * format.bytes;
-        const bool reads = blended || (integer && tile.state->logic_op >= LogicOp::And);
-        if (reads) counters.bytes_read += std::popcount(mask) * format.bytes;
-        for_each_pixel(mask, [&](int bit) {
-            const int px = x + (bit & 7), py = y + (bit >> 3);
-            const vec4 source = colors[c][static_cast<size_t>(bit)];
-            if (integer) {
-                const glm::uvec4 bits = glm::floatBitsToUint(source);
-                target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer, level),
-                                   channels, level);
-            } else if (blended)
-                target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer, level)),
-                              channels, level);
-            else
-                target->store(px, py, layer, source, channels, level);
-        });
-    }
+bool reads_color(const PipelineState& state, const FormatInfo& format) {
+    const bool integer = format.kind == FormatInfo::Kind::Uint;
+    return integer ? state.logic_op >= LogicOp::And : state.blend.enabled;
 }
+
+// The planes of a triangle's varyings, made when the first of its fragments asks.
+struct LazyPlanes {
+    const TileDraw& tile;
+    const SetupTriangle& triangle;
+    const ClippedPiece* pieces;
+    std::optional<AttributePlanes> planes = {};
+
+    const AttributePlanes* get() {
+        if (tile.draw->varying_count == 0) return nullptr;
+        if (!planes) planes = attribute_planes(tile, triangle, pieces);
+        return &*planes;
+    }
+};
 
 // What one sample of a block has to show: the triangle as it sees it, the pixels it covers, its layer of the targets.
 struct Sample {
@@ -102,12 +73,11 @@ struct Sample {
 struct Shading {
     const TileDraw& tile;
     PassCounters& counters;
-    Colors colors;
+    BlockColors colors;
     FragmentBlock block;
 
-    Shading(const TileDraw& t, const AttributePlanes* attributes, int x, int y, PassCounters& c)
-        : tile(t), counters(c) {
-        block.attributes = attributes;
+    Shading(const TileDraw& t, LazyPlanes& attributes, int x, int y, PassCounters& c) : tile(t), counters(c) {
+        block.attributes = attributes.get();
         block.x = x, block.y = y;
         block.color = &colors;
         block.counters = &c;
@@ -152,7 +122,7 @@ std::uint64_t test_sample(const TileDraw& tile, const Sample& sample, int x, int
 
 // A block through tests, program and blending. With several samples the program runs once a pixel, at its centre, for
 // all samples that it is kept in; or, where it asks for that, once a sample, there.
-void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int x, int y,
+void draw_block(const TileDraw& tile, const SetupTriangle& triangle, LazyPlanes& attributes, int x, int y,
                 std::span<Sample> samples, PassCounters& counters) {
     const Draw& draw = *tile.draw;
     std::uint64_t any = 0;
@@ -193,14 +163,66 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, const Attri
         tile.kernels->depth(triangle, x, y, any, depth.data());
         shading.run(triangle, any, depth);
     }
-    for (const Sample& sample : samples)
-        if (sample.mask) write_colors(tile, x, y, sample.layer, sample.mask, shading.colors, counters);
+    const ColorBytes bytes = color_bytes(tile);
+    for (const Sample& sample : samples) {
+        if (!sample.mask) continue;
+        write_colors(tile, x, y, sample.layer, sample.mask, shading.colors);
+        counters.bytes_read += std::popcount(sample.mask) * bytes.read;
+        counters.bytes_written += std::popcount(sample.mask) * bytes.written;
+    }
 }
 
 } // namespace
 
-void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int tile_x,
+AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces) {
+    if (triangle.piece != SetupTriangle::whole) return gnomon::attribute_planes(triangle, pieces[triangle.piece]);
+    const uvec3 index = tile.draw->geometry.triangles[triangle.primitive];
+    return gnomon::attribute_planes(
+        triangle, vec3(tile.positions[index.x].w, tile.positions[index.y].w, tile.positions[index.z].w));
+}
+
+ColorBytes color_bytes(const TileDraw& tile) {
+    ColorBytes bytes;
+    for (size_t c = 0; c < tile.targets->color.size(); ++c) {
+        const Target* target = tile.targets->color[c];
+        if (!target || tile.state->color_mask[c] == 0) continue;
+        const FormatInfo& format = info(target->format());
+        bytes.written += format.bytes;
+        if (reads_color(*tile.state, format)) bytes.read += format.bytes;
+    }
+    return bytes;
+}
+
+void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const BlockColors& colors) {
+    const int level = tile.targets->level;
+    for (size_t c = 0; c < tile.targets->color.size(); ++c) {
+        Target* target = tile.targets->color[c];
+        const std::uint8_t channels = tile.state->color_mask[c];
+        if (!target || channels == 0) continue;
+        const bool integer = info(target->format()).kind == FormatInfo::Kind::Uint;
+        const bool whole_texels = target->format() == Format::RGBA32F && channels == 15 && !tile.state->blend.enabled;
+        for_each_pixel(mask, [&](int bit) {
+            const int px = x + (bit & 7), py = y + (bit >> 3);
+            const vec4 source = colors[c][static_cast<size_t>(bit)];
+            if (whole_texels) {
+                std::memcpy(target->texel(px, py, layer, level), &source, sizeof(source));
+            } else if (integer) {
+                const glm::uvec4 bits = glm::floatBitsToUint(source);
+                target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer, level),
+                                   channels, level);
+            } else if (tile.state->blend.enabled) {
+                target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer, level)),
+                              channels, level);
+            } else {
+                target->store(px, py, layer, source, channels, level);
+            }
+        });
+    }
+}
+
+void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces, int tile_x,
                   int tile_y, PassCounters& counters) {
+    LazyPlanes attributes{tile, triangle, pieces};
     const std::span<const glm::ivec2> positions = sample_positions(tile.targets->samples);
     const size_t count = positions.size();
     std::array<SetupTriangle, max_samples> moved; // left alone with one sample
@@ -211,13 +233,14 @@ void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const Att
         if (count > 1) moved[s] = seen_by_sample(triangle, positions[s]);
         samples[s].triangle = count > 1 ? &moved[s] : &triangle;
         samples[s].layer = tile.targets->layer * static_cast<int>(count) + static_cast<int>(s);
-        edges[s] = rebase(*samples[s].triangle, tile_x, tile_y);
+        edges[s] = tile_edges(*samples[s].triangle, tile.state->conservative, tile_x, tile_y);
         empty = empty && edges[s].empty;
     }
     if (empty) return;
-    const int x0 = std::max(triangle.x0, tile_x) & ~(block_side - 1);
-    const int y0 = std::max(triangle.y0, tile_y) & ~(block_side - 1);
-    const int x1 = std::min(triangle.x1, tile_x + tile_side - 1), y1 = std::min(triangle.y1, tile_y + tile_side - 1);
+    const int x0 = std::max<int>(triangle.x0, tile_x) & ~(block_side - 1);
+    const int y0 = std::max<int>(triangle.y0, tile_y) & ~(block_side - 1);
+    const int x1 = std::min<int>(triangle.x1, tile_x + tile_side - 1),
+              y1 = std::min<int>(triangle.y1, tile_y + tile_side - 1);
     for (int y = y0; y <= y1; y += block_side)
         for (int x = x0; x <= x1; x += block_side) {
             const int first = std::max(triangle.y0 - y, 0), last = std::min(triangle.y1 - y, block_side - 1);

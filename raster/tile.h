@@ -1,28 +1,37 @@
 #pragma once
-// The inside of a tile: one triangle at a time through coverage, depth, stencil, program and blending, 8×8 pixels at a
-// step.
+// The inside of a tile for every state there is: one triangle at a time through coverage, depth, stencil, program and
+// blending, 8×8 pixels at a step, straight on the targets' memory.
 
 #include "raster/draw.h"
 #include "raster/kernels.h"
 
 namespace gnomon::detail {
 
-inline constexpr int tile_shift = 6;
-inline constexpr int tile_side =
-    1 << tile_shift; // pixels: every edge function that crosses a tile fits 32 bits (setup.h)
-
 // What is the same for all triangles of a draw.
 struct TileDraw {
     const Draw* draw;
     const PipelineState* state;
     const Targets* targets;
+    const vec4* positions;
     const float* varyings;
     const Kernels* kernels;
 };
 
+// The planes of a triangle's varyings; `pieces` are those of its chunk.
+AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces);
+
+// Writes what the fragment program gave to the colour targets, for the pixels of the mask in the block at (x, y).
+void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const BlockColors& colors);
+
 // Draws the part of the triangle inside the tile whose lower left pixel is (tile_x, tile_y). Adds the fragment and byte
 // counters.
-void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const AttributePlanes* attributes, int tile_x,
+void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces, int tile_x,
                   int tile_y, PassCounters& counters);
+
+// Bytes that one fragment reads and writes of the colour targets.
+struct ColorBytes {
+    int read = 0, written = 0;
+};
+ColorBytes color_bytes(const TileDraw& tile);
 
 } // namespace gnomon::detail

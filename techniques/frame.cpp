@@ -26,8 +26,6 @@ dmat4 reversed_depth(dmat4 projection) {
 Image<std::uint32_t> draw_triangle_ids(PassLog& log, const Scene& scene, const Camera& camera, int width, int height) {
     Pass pass(log, "triangle ids");
     Target ids(Format::R32UI, width, height, 1, log.memory), depth(Format::D32F, width, height, 1, log.memory);
-    ids.clear_uint(pass, no_triangle);
-    depth.clear_depth(pass, 0.0f);
 
     PipelineState state;
     state.clip_depth = ClipDepth::ZeroToOne;
@@ -37,10 +35,14 @@ Image<std::uint32_t> draw_triangle_ids(PassLog& log, const Scene& scene, const C
     const Geometry geometry = {static_cast<std::uint32_t>(scene.positions.size()), scene.triangles};
     draw(
         pass, geometry, state, [&](std::uint32_t i) { return transform(to_clip, scene.positions[i]); },
-        [](const Fragment<NoVaryings>& fragment, FragmentOutput& output) {
-            output.color[0].x = glm::uintBitsToFloat(fragment.primitive);
-        },
-        Targets{.depth = &depth, .color = {&ids}});
+        FragmentProgram{[](const Fragment<NoVaryings>& fragment, FragmentOutput& output) {
+                            output.color[0].x = glm::uintBitsToFloat(fragment.primitive);
+                        },
+                        {.visible_only = true}},
+        Targets{.depth = &depth,
+                .color = {&ids},
+                .clear_depth = 0.0f,
+                .clear_color = vec4(glm::uintBitsToFloat(no_triangle))});
 
     Image<std::uint32_t> triangles(width, height);
     for (int y = 0; y < height; ++y) std::copy_n(ids.row<std::uint32_t>(y), width, triangles.row(y).data());

@@ -69,8 +69,6 @@ private:
     void draw_moments(Frame& frame, const LightMap& map, Target& moments) const {
         Pass pass = frame.pass("moments");
         Target depth = frame.target(Format::D32F, params_.size, params_.size, moments.layers());
-        moments.clear(pass, vec4(1.0f));
-        depth.clear_depth(pass, 1.0f);
         PipelineState state;
         state.depth = {.test = Compare::Less, .write = true};
         const std::vector<vec3>& positions = frame.scene().positions;
@@ -84,8 +82,12 @@ private:
                 const float t = in.varyings.t, dx = in.ddx.t, dy = in.ddy.t;
                 out.color[0] = vec4(t, t * t + 0.25f * (dx * dx + dy * dy), 0.0f, 0.0f);
             };
-            draw(pass, geometry, state, vertex, FragmentProgram{fragment, {.derivatives = true}},
-                 Targets{.depth = &depth, .color = {&moments}, .layer = layer});
+            draw(pass, geometry, state, vertex, FragmentProgram{fragment, {.derivatives = true, .visible_only = true}},
+                 Targets{.depth = &depth,
+                         .color = {&moments},
+                         .layer = layer,
+                         .clear_depth = 1.0f,
+                         .clear_color = vec4(1.0f)});
         }
     }
 

@@ -16,7 +16,6 @@ ShadowMap draw_shadow_map(Frame& frame, const Light& light, const ShadowMapParam
                   frame.target(formats[static_cast<size_t>(params.format)], params.size, params.size, layers)};
 
     Pass pass = frame.pass("shadow map");
-    map.depth.clear_depth(pass, 1.0f);
     PipelineState state;
     state.depth = {.test = Compare::Less, .write = true};
     state.polygon_offset = {params.slope_bias, params.units_bias};
@@ -26,7 +25,7 @@ ShadowMap draw_shadow_map(Frame& frame, const Light& light, const ShadowMapParam
         const mat4& to_clip = map.views[static_cast<size_t>(layer)].to_clip;
         draw(
             pass, geometry, state, [&](std::uint32_t i) { return transform(to_clip, positions[i]); }, depth_only,
-            Targets{.depth = &map.depth, .layer = layer});
+            Targets{.depth = &map.depth, .layer = layer, .clear_depth = 1.0f});
     }
     return map;
 }

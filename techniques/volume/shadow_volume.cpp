@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <optional>
 
 #include "core/parallel.h"
 #include "raster/draw.h"
@@ -60,7 +61,6 @@ int multiplicity(const Adjacency& adjacency, const Adjacency::Edge& edge, const 
 // discarded.
 void draw_scene_depth(Frame& frame, const mat4& to_clip, Target& depth) {
     Pass pass = frame.pass("scene depth");
-    depth.clear_depth(pass, 1.0f);
     const Scene& scene = frame.scene();
     const auto vertex = [&](std::uint32_t i) { return transform(to_clip, scene.positions[i]); };
     const auto discard_in_front = [](const Fragment<NoVaryings>& in, FragmentOutput& out) {
@@ -76,9 +76,10 @@ void draw_scene_depth(Frame& frame, const mat4& to_clip, Target& depth) {
     state.depth = {.test = Compare::Less, .write = true, .clamp = crosses_near_plane};
     if (crosses_near_plane)
         draw(pass, {vertices, scene.triangles}, state, vertex, FragmentProgram{discard_in_front, {.discards = true}},
-             Targets{.depth = &depth});
+             Targets{.depth = &depth, .clear_depth = 1.0f});
     else
-        draw(pass, {vertices, scene.triangles}, state, vertex, depth_only, Targets{.depth = &depth});
+        draw(pass, {vertices, scene.triangles}, state, vertex, depth_only,
+             Targets{.depth = &depth, .clear_depth = 1.0f});
 }
 
 } // namespace
@@ -119,7 +120,6 @@ Image<float> stencil_shadows(Frame& frame, const Light& light, const ShadowVolum
     draw_scene_depth(frame, to_clip, depth);
     {
         Pass pass = frame.pass("volumes");
-        stencil.clear_uint(pass, initial_count);
         PipelineState state;
         state.depth = {.test = Compare::Less, .write = false, .clamp = test == VolumeTest::DepthFail};
         state.stencil.enabled = true;
@@ -130,11 +130,13 @@ Image<float> stencil_shadows(Frame& frame, const Light& light, const ShadowVolum
             state.stencil.front.pass = StencilOp::IncrementWrap;
             state.stencil.back.pass = StencilOp::DecrementWrap;
         }
+        std::optional<std::uint32_t> clear = initial_count; // by the first draw
         const auto draw_part = [&](const std::vector<uvec3>& triangles) {
             draw(
                 pass, {static_cast<std::uint32_t>(2 * volume.finite.size()), triangles}, state,
                 [&](std::uint32_t i) { return volume.vertex(i, to_clip); }, depth_only,
-                Targets{.depth = &depth, .stencil = &stencil});
+                Targets{.depth = &depth, .stencil = &stencil, .clear_stencil = clear});
+            clear.reset();
         };
         draw_part(volume.sides);
         if (test == VolumeTest::DepthFail) {

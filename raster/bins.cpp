@@ -1,0 +1,102 @@
+#include "raster/bins.h"
+
+#include <algorithm>
+
+namespace gnomon::detail {
+namespace {
+
+constexpr int most_listed_tiles = 64; // of one triangle
+
+struct TileBox {
+    int x0, y0, x1, y1;
+    int count() const { return (x1 - x0 + 1) * (y1 - y0 + 1); }
+    bool contains(int x, int y) const { return x >= x0 && x <= x1 && y >= y0 && y <= y1; }
+};
+
+TileBox tiles_of(const SetupTriangle& t) {
+    return {t.x0 >> tile_shift, t.y0 >> tile_shift, t.x1 >> tile_shift, t.y1 >> tile_shift};
+}
+
+// Whether the triangle's edges leave any sample of the tile inside: the corner most inside decides for each edge.
+// Samples, and what counts as covered under conservative rasterization, lie within half a pixel of the centres.
+bool touches(const SetupTriangle& t, int tile_x, int tile_y, bool whole_pixels) {
+    const std::int64_t left = std::int64_t{tile_x} * tile_side * 256, bottom = std::int64_t{tile_y} * tile_side * 256;
+    const std::int64_t first = whole_pixels ? 0 : 128, last = tile_side * 256 - first;
+    for (size_t e = 0; e < 3; ++e) {
+        const std::int64_t a = t.y[e] - t.y[e + 1], b = t.x[e + 1] - t.x[e];
+        const std::int64_t x = left + (a > 0 ? last : first), y = bottom + (b > 0 ? last : first);
+        if (a * (x - t.x[e]) + b * (y - t.y[e]) < 0) return false;
+    }
+    return true;
+}
+
+} // namespace
+
+TileGrid::TileGrid(const Rectangle& p, bool whole)
+    : x0(p.x >> tile_shift), y0(p.y >> tile_shift), columns(((p.x + p.width - 1) >> tile_shift) - x0 + 1),
+      rows(((p.y + p.height - 1) >> tile_shift) - y0 + 1), whole_pixels(whole) {}
+
+void Chunk::bin(const TileGrid& grid) {
+    const std::span<const SetupTriangle> all(triangles.data.get(), triangles.count);
+    x0_ = grid.x0 + grid.columns, y0_ = grid.y0 + grid.rows, x1_ = y1_ = -1;
+    for (const SetupTriangle& t : all) {
+        const TileBox box = tiles_of(t);
+        x0_ = std::min(x0_, box.x0), x1_ = std::max(x1_, box.x1);
+        y0_ = std::min(y0_, box.y0), y1_ = std::max(y1_, box.y1);
+    }
+    entries_.clear();
+    wide_.clear();
+    begin_.assign(all.empty() ? 2 : local(x1_, y1_) + 3, 0);
+    const auto add = [&](int x, int y, size_t i) {
+        const size_t tile = local(x, y);
+        entries_.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint16_t>(i)});
+        ++begin_[tile + 2]; // so that after the sums below [tile + 1] is where the list begins
+    };
+    for (size_t i = 0; i < all.size(); ++i) {
+        const TileBox box = tiles_of(all[i]);
+        if (box.x0 == box.x1 && box.y0 == box.y1) {
+            add(box.x0, box.y0, i);
+        } else if (box.count() > most_listed_tiles) {
+            wide_.push_back(static_cast<std::uint16_t>(i));
+        } else {
+            for (int y = box.y0; y <= box.y1; ++y)
+                for (int x = box.x0; x <= box.x1; ++x)
+                    if (touches(all[i], x, y, grid.whole_pixels)) add(x, y, i);
+        }
+    }
+    for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+    lists_.resize(entries_.size());
+    for (const Entry& entry : entries_) lists_[begin_[entry.tile + 1]++] = entry.triangle; // … and after this it ends
+}
+
+bool Chunk::touches_wide(int x, int y) const {
+    return std::any_of(wide_.begin(), wide_.end(),
+                       [&](std::uint16_t i) { return tiles_of(triangles.data[i]).contains(x, y); });
+}
+
+std::span<const std::uint16_t> Chunk::list(const TileGrid& grid, size_t tile,
+                                           std::vector<std::uint16_t>& merged) const {
+    const int x = grid.tile_x(tile), y = grid.tile_y(tile);
+    const size_t i = local(x, y);
+    const std::span<const std::uint16_t> listed(lists_.data() + begin_[i], begin_[i + 1] - begin_[i]);
+    if (wide_.empty()) return listed;
+    const size_t start = merged.size();
+    merged.insert(merged.end(), listed.begin(), listed.end());
+    for (const std::uint16_t t : wide_)
+        if (tiles_of(triangles.data[t]).contains(x, y)) merged.push_back(t);
+    const auto middle = merged.begin() + static_cast<std::ptrdiff_t>(start + listed.size());
+    std::inplace_merge(merged.begin() + static_cast<std::ptrdiff_t>(start), middle, merged.end());
+    return std::span(merged).subspan(start);
+}
+
+std::vector<TileWork> tiles_with_work(const TileGrid& grid, std::span<const Chunk> chunks, bool all) {
+    std::vector<std::uint64_t> bits(grid.count());
+    for (size_t c = 0; c < chunks.size(); ++c)
+        chunks[c].for_each_tile(grid, [&](size_t tile) { bits[tile] |= std::uint64_t{1} << c; });
+    std::vector<TileWork> work;
+    for (size_t tile = 0; tile < bits.size(); ++tile)
+        if (all || bits[tile]) work.push_back({static_cast<std::uint32_t>(tile), bits[tile]});
+    return work;
+}
+
+} // namespace gnomon::detail

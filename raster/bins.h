@@ -1,0 +1,72 @@
+#pragma once
+// Which triangles touch which 64×64 tile. A chunk of triangles is sorted by tile over the rectangle of tiles that it
+// touches; triangles over very many tiles are kept aside, so that memory grows with the triangles and not with their
+// area: at most 64 entries of 2 bytes each.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "raster/setup.h"
+
+namespace gnomon::detail {
+
+struct TileGrid {
+    int x0, y0, columns, rows; // tiles; tile (0, 0) starts at pixel (0, 0)
+    bool whole_pixels;         // any point of a pixel may be covered, not only its centre
+
+    TileGrid(const Rectangle& pixels, bool whole);
+    size_t count() const { return static_cast<size_t>(columns) * static_cast<size_t>(rows); }
+    size_t index(int x, int y) const { // of the tile (x, y)
+        return static_cast<size_t>(y - y0) * static_cast<size_t>(columns) + static_cast<size_t>(x - x0);
+    }
+    int tile_x(size_t index) const { return x0 + static_cast<int>(index % static_cast<size_t>(columns)); }
+    int tile_y(size_t index) const { return y0 + static_cast<int>(index / static_cast<size_t>(columns)); }
+    int pixel_x(size_t index) const { return tile_x(index) << tile_shift; }
+    int pixel_y(size_t index) const { return tile_y(index) << tile_shift; }
+};
+
+// One task's set-up triangles, and for each tile the list of those that may touch it, in order of submission.
+class Chunk {
+public:
+    SetupTriangles triangles;
+
+    void bin(const TileGrid& grid);
+    // Triangles for a tile of the grid; where they must be merged first, they are appended to `merged`.
+    std::span<const std::uint16_t> list(const TileGrid& grid, size_t tile, std::vector<std::uint16_t>& merged) const;
+    size_t most_merged() const { return wide_.empty() ? 0 : triangles.count; }
+    // visit(tile index) for every tile with a list that is not empty.
+    template <class Visit> void for_each_tile(const TileGrid& grid, const Visit& visit) const {
+        for (int y = y0_; y <= y1_; ++y)
+            for (int x = x0_; x <= x1_; ++x) {
+                const size_t i = local(x, y);
+                if (begin_[i] < begin_[i + 1] || touches_wide(x, y)) visit(grid.index(x, y));
+            }
+    }
+
+private:
+    struct Entry {
+        std::uint32_t tile; // of the chunk's rectangle
+        std::uint16_t triangle;
+    };
+    size_t local(int x, int y) const {
+        return static_cast<size_t>(y - y0_) * static_cast<size_t>(x1_ - x0_ + 1) + static_cast<size_t>(x - x0_);
+    }
+    bool touches_wide(int x, int y) const;
+
+    int x0_ = 0, y0_ = 0, x1_ = -1, y1_ = -1; // rectangle of tiles
+    std::vector<std::uint32_t> begin_;        // of each tile's list, and the end of the last
+    std::vector<std::uint16_t> lists_;
+    std::vector<std::uint16_t> wide_; // triangles over more tiles than are listed
+    std::vector<Entry> entries_;
+};
+
+// A tile and the chunks, as bits, that have triangles for it; at most 64 chunks.
+struct TileWork {
+    std::uint32_t tile;
+    std::uint64_t chunks;
+};
+// In the order of the tiles; with `all` also those without triangles.
+std::vector<TileWork> tiles_with_work(const TileGrid& grid, std::span<const Chunk> chunks, bool all);
+
+} // namespace gnomon::detail
