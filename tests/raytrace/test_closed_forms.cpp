@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -30,7 +31,7 @@ vec3 turned(double along, double across) {
         dvec3(std::cos(0.3) * along - std::sin(0.3) * across, 2, std::sin(0.3) * along + std::cos(0.3) * across));
 }
 
-std::vector<Blocker> blockers() {
+std::vector<Blocker> blockers(double scale) {
     const dvec2 along(std::cos(0.3), std::sin(0.3)), across(-along.y, along.x);
     constexpr double far = 16, offset = 0.1, width = 0.3;
     std::vector<vec3> circle;
@@ -40,7 +41,9 @@ std::vector<Blocker> blockers() {
     std::vector<Blocker> all;
     const auto add = [&](const char* name, std::vector<FlatOccluder::Edge> edges, double radius,
                          std::vector<vec3> polygon) {
-        all.push_back({name, {2, std::move(edges), radius}, std::move(polygon)});
+        for (FlatOccluder::Edge& edge : edges) edge.offset *= scale;
+        for (vec3& corner : polygon) corner *= static_cast<float>(scale);
+        all.push_back({name, {2 * scale, std::move(edges), radius * scale}, std::move(polygon)});
     };
     add("half-plane", {{along, offset}}, 0,
         {turned(offset, -far), turned(offset, far), turned(far, far), turned(far, -far)});
@@ -52,14 +55,16 @@ std::vector<Blocker> blockers() {
     return all;
 }
 
-std::vector<Light> lights() {
+std::vector<Light> lights(float scale) {
     Light rectangle = light_at(LightType::Rectangle, {0.2f, 4, 0.1f}, {2, 1.5f});
     rectangle.direction = glm::normalize(vec3(-0.2f, -1, 0.1f));
     rectangle.tangent = any_tangent(rectangle.direction);
     Light disk = light_at(LightType::Disk, {0, 4, 0}, {1.8f, 1.8f});
     Light sphere = light_at(LightType::Sphere, {0.3f, 4, -0.2f}, {1.6f, 1.6f});
     rectangle.intensity = disk.intensity = sphere.intensity = {2, 1, 0.5f};
-    return {rectangle, disk, sphere};
+    std::vector<Light> all = {rectangle, disk, sphere};
+    for (Light& light : all) light.position *= scale, light.size *= scale;
+    return all;
 }
 
 Surface surface_at(vec3 p) {
@@ -75,8 +80,9 @@ Surface surface_at(vec3 p) {
 // The rays start 2⁻¹⁹ of the largest coordinate above the floor, which moves the shadow of an edge across the light by
 // at most as much (an occluder half way to the light); four edges of a length below the light's width w move a fraction
 // by at most 4/w of that. Vertices at 16 m are rounded by 2⁻²¹.
-double systematic(const Light& light) {
-    return (4 * double(floor_side) * 0x1p-19 + 4 * 0x1p-20) / double(std::min(light.size.x, light.size.y));
+double systematic(const Light& light, float scale) {
+    return (4 * double(floor_side) * 0x1p-19 + 4 * 0x1p-20) / double(std::min(light.size.x, light.size.y)) *
+           double(scale);
 }
 
 struct Mean {
@@ -92,63 +98,77 @@ template <class Read> Mean mean_of(const TruthAnswer& answer, Read read) {
 }
 
 // 5 standard errors: wrong once in 1.7 million.
-void check_mean(const Mean& mean, double expected, double unit, const Light& light) {
+void check_mean(const Mean& mean, double expected, double unit, double systematic_error) {
     INFO("expected " << expected << ", found " << mean.value << " ± " << mean.error);
-    CHECK(std::abs(mean.value - expected) <= 5 * mean.error + unit * systematic(light));
+    CHECK(std::abs(mean.value - expected) <= 5 * mean.error + unit * systematic_error);
+}
+
+} // namespace
+
+namespace {
+
+// One receiver, many pixels: visibility and radiance of every pattern against the integrals.
+void check_receiver(const EmbreeScene& rays, const Blocker& blocker, const Light& light, vec3 p, float scale,
+                    std::span<const Pattern> patterns) {
+    const FlatLight shape = flat(light, dvec3(p));
+    const double fraction = visible_fraction(shape, &blocker.flat, dvec3(p)), floor = systematic(light, scale);
+    const Receivers receivers = receivers_on_floor(std::vector<vec3>(pixels, p), p.x > p.z ? 1u : 0u);
+    for (const Brdf model : {Brdf::Lambert, Brdf::Ggx}) {
+        const Surface surface = surface_at(p);
+        const auto integrand = [&](dvec3 q) {
+            const dvec3 way = q - dvec3(p);
+            const double d2 = glm::dot(way, way);
+            const dvec3 w = way / std::sqrt(d2);
+            return dvec3(brdf(model, surface, vec3(w))) * dvec3(light.intensity) *
+                   (w.y * -glm::dot(shape.facing, w) / d2);
+        };
+        const dvec3 radiance = visible_integral(shape, &blocker.flat, dvec3(p), integrand);
+        const dvec3 unshadowed = visible_integral(shape, nullptr, dvec3(p), integrand);
+        for (const Pattern pattern : patterns) {
+            TruthSettings settings;
+            settings.pattern = pattern;
+            settings.samples = samples;
+            settings.seed = 11;
+            settings.brdf = model;
+            settings.surface = [&](int, int) { return surface; };
+            const TruthAnswer answer = area_truth(rays, receivers, light, settings);
+            INFO("pattern " << static_cast<int>(pattern) << ", brdf " << static_cast<int>(model));
+            if (pattern == Pattern::Grid) {
+                // The same in every pixel, and only as good as its cells.
+                CHECK(answer.visibility(0, 0) == answer.visibility(pixels - 1, 0));
+                CHECK(std::abs(double(answer.visibility(0, 0)) - fraction) <= 1.0 / 16);
+                continue;
+            }
+            check_mean(mean_of(answer, [](const TruthAnswer& a, size_t i) { return double(a.visibility.values()[i]); }),
+                       fraction, 1, floor);
+            check_mean(
+                mean_of(answer, [](const TruthAnswer& a, size_t i) { return double(a.radiance->values()[i].x); }),
+                radiance.x, unshadowed.x, floor);
+        }
+    }
 }
 
 } // namespace
 
 TEST_CASE("sampled visibility and radiance agree with closed forms", "[raytrace][truth]") {
-    for (const Blocker& blocker : blockers()) {
-        Scene scene;
-        add_floor(scene, -floor_side, floor_side, -floor_side, floor_side, 0);
-        add_polygon(scene, blocker.polygon);
-        const EmbreeScene rays(scene);
-        for (const Light& light : lights())
-            for (const vec3 p : {vec3(0.1f, 0, 0.05f), vec3(-0.6f, 0, 0.3f)}) {
-                const FlatLight shape = flat(light, dvec3(p));
-                const double fraction = visible_fraction(shape, &blocker.flat, dvec3(p));
-                const Receivers receivers = receivers_on_floor(std::vector<vec3>(pixels, p), p.x > p.z ? 1u : 0u);
-                for (const Brdf model : {Brdf::Lambert, Brdf::Ggx}) {
-                    const Surface surface = surface_at(p);
-                    const auto integrand = [&](dvec3 q) {
-                        const dvec3 way = q - dvec3(p);
-                        const double d2 = glm::dot(way, way);
-                        const dvec3 w = way / std::sqrt(d2);
-                        return dvec3(brdf(model, surface, vec3(w))) * dvec3(light.intensity) *
-                               (w.y * -glm::dot(shape.facing, w) / d2);
-                    };
-                    const dvec3 radiance = visible_integral(shape, &blocker.flat, dvec3(p), integrand);
-                    const dvec3 unshadowed = visible_integral(shape, nullptr, dvec3(p), integrand);
-                    for (const Pattern pattern : {Pattern::Sobol, Pattern::Stratified, Pattern::Random, Pattern::Halton,
-                                                  Pattern::Poisson, Pattern::Grid}) {
-                        TruthSettings settings;
-                        settings.pattern = pattern;
-                        settings.samples = samples;
-                        settings.seed = 11;
-                        settings.brdf = model;
-                        settings.surface = [&](int, int) { return surface; };
-                        const TruthAnswer answer = area_truth(rays, receivers, light, settings);
-                        INFO(blocker.name << " before a " << light_type_name(light.type) << " from x = " << p.x
-                                          << ", pattern " << static_cast<int>(pattern) << ", brdf "
-                                          << static_cast<int>(model));
-                        if (pattern == Pattern::Grid) {
-                            // The same in every pixel, and only as good as its cells.
-                            CHECK(answer.visibility(0, 0) == answer.visibility(pixels - 1, 0));
-                            CHECK(std::abs(double(answer.visibility(0, 0)) - fraction) <= 1.0 / 16);
-                            continue;
-                        }
-                        check_mean(mean_of(answer, [](const TruthAnswer& a,
-                                                      size_t i) { return double(a.visibility.values()[i]); }),
-                                   fraction, 1, light);
-                        check_mean(mean_of(answer, [](const TruthAnswer& a,
-                                                      size_t i) { return double(a.radiance->values()[i].x); }),
-                                   radiance.x, unshadowed.x, light);
-                    }
+    constexpr Pattern every[] = {Pattern::Sobol,  Pattern::Stratified, Pattern::Random,
+                                 Pattern::Halton, Pattern::Poisson,    Pattern::Grid};
+    for (const float scale : {1.0f, 1e-3f, 1e6f})
+        for (const Blocker& blocker : blockers(double(scale))) {
+            Scene scene;
+            const float side = floor_side * scale;
+            add_floor(scene, -side, side, -side, side, 0);
+            add_polygon(scene, blocker.polygon);
+            const EmbreeScene rays(scene);
+            for (const Light& light : lights(scale))
+                for (const vec3 p : {vec3(0.1f, 0, 0.05f), vec3(-0.6f, 0, 0.3f)}) {
+                    INFO(blocker.name << " before a " << light_type_name(light.type) << " from x = " << p.x
+                                      << ", scale " << scale);
+                    check_receiver(rays, blocker, light, p * scale, scale,
+                                   scale == 1.0f ? std::span<const Pattern>(every)
+                                                 : std::span<const Pattern>(every).first(1));
                 }
-            }
-    }
+        }
 }
 
 // The bound is strict where one straight edge crosses a rectangle: checked for edges in every direction.
@@ -175,7 +195,7 @@ TEST_CASE("the error bar of a grid bounds the error of a straight edge", "[raytr
             const TruthAnswer answer = area_truth(rays, receivers_on_floor({{0, 0, 0}}, 0), light, settings);
             const double error = std::abs(double(answer.visibility(0, 0)) - fraction);
             INFO("edge " << i << ", " << count << " samples, visible " << fraction);
-            CHECK(error <= double(answer.error(0, 0)) + systematic(light));
+            CHECK(error <= double(answer.error(0, 0)) + systematic(light, 1));
             closest = std::max(closest, error / double(answer.error(0, 0)));
         }
     }

@@ -89,7 +89,7 @@ TEST_CASE("stratified errors fall faster than those of independent samples", "[r
         for (const int samples : {16, 64, 256, 1024, 4096})
             points.emplace_back(samples, errors_of(scene, rays, pattern, samples).root_mean_square);
         const double found = slope(points);
-        WARN("pattern " << static_cast<int>(pattern) << ": slope " << found << ", error at 1024 " << points[3].second);
+        INFO("pattern " << static_cast<int>(pattern) << ": slope " << found << ", error at 1024 " << points[3].second);
         if (pattern == Pattern::Sobol || pattern == Pattern::Stratified) CHECK(found < -0.7);
         if (pattern == Pattern::Random) CHECK(std::abs(found + 0.5) < 0.05);
         if (pattern == Pattern::Halton) CHECK(found < -0.6);
@@ -106,7 +106,7 @@ TEST_CASE("error bars are as large as the errors", "[raytrace][truth]") {
          {Pattern::Sobol, Pattern::Stratified, Pattern::Random, Pattern::Halton, Pattern::Poisson})
         for (const int samples : {64, 100, 256, 1024}) {
             const Errors errors = errors_of(scene, rays, pattern, samples);
-            WARN("pattern " << static_cast<int>(pattern) << ", " << samples << " samples: error "
+            INFO("pattern " << static_cast<int>(pattern) << ", " << samples << " samples: error "
                             << errors.root_mean_square << ", bar " << errors.claimed);
             // 1000 pixels know the root mean square to 1/√2000 = 2.2 %.
             CHECK(errors.claimed > 0.93 * errors.root_mean_square);

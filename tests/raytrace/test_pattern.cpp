@@ -61,7 +61,7 @@ TEST_CASE("the points of a sequence are the first of more", "[raytrace][pattern]
         if (!is_sequence(pattern)) continue;
         INFO("pattern " << static_cast<int>(pattern));
         const std::vector<vec2> many = points_of(pattern, 42, 1, 65536);
-        for (const size_t count : {1, 2, 100, 243, 244, 256, 1000, 1024}) {
+        for (const size_t count : std::initializer_list<size_t>{1, 2, 100, 243, 244, 256, 1000, 1024}) {
             const std::vector<vec2> few = points_of(pattern, 42, 1, count);
             CHECK(std::equal(few.begin(), few.end(), many.begin()));
         }
@@ -104,7 +104,7 @@ TEST_CASE("grid and stratified divide the square into equal cells", "[raytrace][
 // No two of N best candidates are nearer than half the distance of a hexagonal packing, √(2/(√3·N)); independent points
 // have far nearer pairs.
 TEST_CASE("poisson points keep apart, around the edges too", "[raytrace][pattern]") {
-    for (const size_t count : {2, 16, 100, 256, 1024}) {
+    for (const size_t count : std::initializer_list<size_t>{2, 16, 100, 256, 1024}) {
         const std::vector<vec2> points = points_of(Pattern::Poisson, 9, 1, count);
         float nearest = 1;
         for (size_t i = 0; i < count; ++i)
@@ -121,7 +121,7 @@ TEST_CASE("poisson points keep apart, around the edges too", "[raytrace][pattern
 TEST_CASE("points lie in the half-open unit square and depend on pixel and seed", "[raytrace][pattern]") {
     for (const Pattern pattern : all_patterns) {
         INFO("pattern " << static_cast<int>(pattern));
-        for (const size_t count : {1, 2, 3, 4, 12, 100, 1024}) {
+        for (const size_t count : std::initializer_list<size_t>{1, 2, 3, 4, 12, 100, 1024}) {
             const std::vector<vec2> points = points_of(pattern, 6, 0, count);
             for (const vec2 p : points) {
                 CHECK((p.x >= 0.0f && p.x < 1.0f));

@@ -29,7 +29,7 @@ Surface white(float roughness, float metallic) {
 
 // ∫ f cos θ over the hemisphere.
 double reflected(Brdf model, const Surface& surface) {
-    constexpr int rows = 2000, columns = 500;
+    constexpr int rows = 1000, columns = 250;
     double sum = 0;
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < columns; ++i) {
