@@ -46,7 +46,11 @@ Share read_share(const std::string& path) {
     const auto* text = found == share.image.attributes.end() ? nullptr : std::get_if<std::string>(&found->second);
     if (!text || !share.image.attributes.contains(run_key))
         throw InputError(fmt::format("'{}' is no share of an image: gnomon truth --tiles makes them", path));
-    share.tiles = parse_share(*text, fmt::format("'{}': {}", path, share_key));
+    try {
+        share.tiles = parse_share(*text, share_key);
+    } catch (const UsageError& error) {
+        throw InputError(fmt::format("cannot use '{}': {}", path, error.what()));
+    }
     share.image.attributes.erase(found);
     return share;
 }

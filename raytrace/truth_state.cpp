@@ -196,9 +196,10 @@ void TruthState::save() {
 
 void TruthState::save_and_stop(int signal) {
     save();
-    throw Error(signal == SIGTERM ? ExitCode::Terminated : ExitCode::Interrupted,
-                fmt::format("interrupted; what was done is in '{}', and the same command with --resume goes on from it",
-                            path_));
+    const std::string how =
+        file_ < 0 ? "nothing was done yet"
+                  : fmt::format("what was done is in '{}', and the same command with --resume goes on from it", path_);
+    throw Error(signal == SIGTERM ? ExitCode::Terminated : ExitCode::Interrupted, "interrupted; " + how);
 }
 
 void TruthState::remove() {
