@@ -185,25 +185,32 @@ LightSample sample_of(const Emitter& emitter, float u, float v) {
     return sample;
 }
 
-// Cosine-weighted sum over light_point's 8×8 cells; each cell carries the same share of the light.
-constexpr int quadrature_side = 8;
+// Cosine-weighted sum over light_point's 8×8 cells; each cell carries the same share of the light. A row of cells would
+// meet only eight places of a mesh, whose u goes through its triangles: there all 64 samples differ in u, and v steps
+// by the golden ratio.
+constexpr int quadrature_side = 8, quadrature_samples = quadrature_side * quadrature_side;
+
+vec2 quadrature_point(LightType type, int i) {
+    if (type != LightType::Mesh)
+        return (vec2(i % quadrature_side, i / quadrature_side) + 0.5f) / static_cast<float>(quadrature_side);
+    const float k = static_cast<float>(i) + 0.5f, turns = k * 0.618034f;
+    return {k / static_cast<float>(quadrature_samples), turns - std::floor(turns)};
+}
 
 vec3 area_irradiance(const Light& light, vec3 p, vec3 n) {
     const Emitter emitter = emitter_of(light, p);
     vec3 sum(0.0f);
-    for (int j = 0; j < quadrature_side; ++j)
-        for (int i = 0; i < quadrature_side; ++i) {
-            const float u = (static_cast<float>(i) + 0.5f) / quadrature_side;
-            const float v = (static_cast<float>(j) + 0.5f) / quadrature_side;
-            const LightSample sample = sample_of(emitter, u, v);
-            const vec3 d = sample.position - p;
-            const float d2 = glm::dot(d, d);
-            if (d2 <= 0.0f) continue;
-            const float at_receiver = glm::dot(n, d), at_light = -glm::dot(sample.facing, d);
-            if (at_receiver <= 0.0f || at_light <= 0.0f) continue;
-            sum += sample.radiance * (sample.area * at_receiver * at_light / (d2 * d2));
-        }
-    return sum / static_cast<float>(quadrature_side * quadrature_side);
+    for (int i = 0; i < quadrature_samples; ++i) {
+        const vec2 uv = quadrature_point(light.type, i);
+        const LightSample sample = sample_of(emitter, uv.x, uv.y);
+        const vec3 d = sample.position - p;
+        const float d2 = glm::dot(d, d);
+        if (d2 <= 0.0f) continue;
+        const float at_receiver = glm::dot(n, d), at_light = -glm::dot(sample.facing, d);
+        if (at_receiver <= 0.0f || at_light <= 0.0f) continue;
+        sum += sample.radiance * (sample.area * at_receiver * at_light / (d2 * d2));
+    }
+    return sum / static_cast<float>(quadrature_samples);
 }
 
 float spot_factor(const Light& light, vec3 to_light) {

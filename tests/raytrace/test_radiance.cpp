@@ -181,6 +181,8 @@ TEST_CASE("a mesh light and a textured one give what their parts give", "[raytra
     CHECK(mesh.direction == vec3(0, -1, 0));
     CHECK(mesh.position == rectangle.position);
     CHECK(surface_area(mesh) == 4.0f);
+    CHECK(unshadowed_irradiance(mesh, vec3(0), vec3(0, 1, 0)).x ==
+          Approx(unshadowed_irradiance(rectangle, vec3(0), vec3(0, 1, 0)).x).epsilon(0.02));
     CHECK(run(mesh).first == Approx(seen).margin(2e-4));
     CHECK(run(mesh).second == Approx(radiance).epsilon(5e-4));
 
