@@ -1,33 +1,15 @@
 #include "raster/bins.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace gnomon::detail {
 namespace {
 
-constexpr int most_listed_tiles = 64; // of one triangle
-
-struct TileBox {
-    int x0, y0, x1, y1;
-    int count() const { return (x1 - x0 + 1) * (y1 - y0 + 1); }
-    bool contains(int x, int y) const { return x >= x0 && x <= x1 && y >= y0 && y <= y1; }
-};
+constexpr size_t most_listed_tiles = 64; // of one triangle
 
 TileBox tiles_of(const SetupTriangle& t) {
     return {t.x0 >> tile_shift, t.y0 >> tile_shift, t.x1 >> tile_shift, t.y1 >> tile_shift};
-}
-
-// Whether the triangle's edges leave any sample of the tile inside: the corner most inside decides for each edge.
-// Samples, and what counts as covered under conservative rasterization, lie within half a pixel of the centres.
-bool touches(const SetupTriangle& t, int tile_x, int tile_y, bool whole_pixels) {
-    const std::int64_t left = std::int64_t{tile_x} * tile_side * 256, bottom = std::int64_t{tile_y} * tile_side * 256;
-    const std::int64_t first = whole_pixels ? 0 : 128, last = tile_side * 256 - first;
-    for (size_t e = 0; e < 3; ++e) {
-        const std::int64_t a = t.y[e] - t.y[e + 1], b = t.x[e + 1] - t.x[e];
-        const std::int64_t x = left + (a > 0 ? last : first), y = bottom + (b > 0 ? last : first);
-        if (a * (x - t.x[e]) + b * (y - t.y[e]) < 0) return false;
-    }
-    return true;
 }
 
 } // namespace
@@ -35,6 +17,31 @@ bool touches(const SetupTriangle& t, int tile_x, int tile_y, bool whole_pixels) 
 TileGrid::TileGrid(const Rectangle& p, bool whole)
     : x0(p.x >> tile_shift), y0(p.y >> tile_shift), columns(((p.x + p.width - 1) >> tile_shift) - x0 + 1),
       rows(((p.y + p.height - 1) >> tile_shift) - y0 + 1), whole_pixels(whole) {}
+
+void Chunk::add(int x, int y, size_t i) {
+    const size_t tile = local(x, y);
+    entries_.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint16_t>(i)});
+    ++begin_[tile + 2]; // so that after the sums in bin() [tile + 1] is where the list begins
+}
+
+// Lists the triangle in the tiles that it touches; false, and nothing is listed, where they are too many.
+bool Chunk::add_touched(const TileGrid& grid, const TileBox& box, size_t i) {
+    const size_t before = entries_.size();
+    for (int y = box.y0; y <= box.y1; ++y)
+        for (int x = box.x0; x <= box.x1; x += 8) {
+            std::uint32_t touched = setup_kernels().touched_tiles(triangles.data[i], x, y, grid.whole_pixels);
+            if (box.x1 - x < 7) touched &= (2u << (box.x1 - x)) - 1;
+            if (entries_.size() - before + static_cast<size_t>(std::popcount(touched)) > most_listed_tiles) {
+                while (entries_.size() > before) {
+                    --begin_[entries_.back().tile + 2];
+                    entries_.pop_back();
+                }
+                return false;
+            }
+            for (; touched; touched &= touched - 1) add(x + std::countr_zero(touched), y, i);
+        }
+    return true;
+}
 
 void Chunk::bin(const TileGrid& grid) {
     const std::span<const SetupTriangle> all(triangles.data.get(), triangles.count);
@@ -47,21 +54,12 @@ void Chunk::bin(const TileGrid& grid) {
     entries_.clear();
     wide_.clear();
     begin_.assign(all.empty() ? 2 : local(x1_, y1_) + 3, 0);
-    const auto add = [&](int x, int y, size_t i) {
-        const size_t tile = local(x, y);
-        entries_.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint16_t>(i)});
-        ++begin_[tile + 2]; // so that after the sums below [tile + 1] is where the list begins
-    };
     for (size_t i = 0; i < all.size(); ++i) {
         const TileBox box = tiles_of(all[i]);
         if (box.x0 == box.x1 && box.y0 == box.y1) {
             add(box.x0, box.y0, i);
-        } else if (box.count() > most_listed_tiles) {
+        } else if (!add_touched(grid, box, i)) {
             wide_.push_back(static_cast<std::uint16_t>(i));
-        } else {
-            for (int y = box.y0; y <= box.y1; ++y)
-                for (int x = box.x0; x <= box.x1; ++x)
-                    if (touches(all[i], x, y, grid.whole_pixels)) add(x, y, i);
         }
     }
     for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];

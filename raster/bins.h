@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "raster/setup.h"
+#include "raster/setup_kernels.h"
 
 namespace gnomon::detail {
 
@@ -52,6 +52,8 @@ private:
     size_t local(int x, int y) const {
         return static_cast<size_t>(y - y0_) * static_cast<size_t>(x1_ - x0_ + 1) + static_cast<size_t>(x - x0_);
     }
+    void add(int x, int y, size_t i);
+    bool add_touched(const TileGrid& grid, const TileBox& box, size_t i);
     bool touches_wide(int x, int y) const;
 
     int x0_ = 0, y0_ = 0, x1_ = -1, y1_ = -1; // rectangle of tiles

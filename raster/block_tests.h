@@ -10,7 +10,6 @@
 namespace gnomon::detail {
 
 using Keys = std::array<std::uint32_t, 64>; // depth_key of each pixel
-using Depths = std::array<double, 64>;
 
 template <class Visit> void for_each_pixel(std::uint64_t mask, const Visit& visit) {
     for (; mask; mask &= mask - 1) visit(std::countr_zero(mask));

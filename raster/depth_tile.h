@@ -37,7 +37,7 @@ struct TileCounts {
 };
 
 struct DepthTile {
-    static constexpr std::size_t slack = 16;             // read, never changed, beyond the last pixel
+    static constexpr std::size_t slack = 4 * tile_side;  // read, never changed, beyond the last pixel
     int x, y;                                            // pixel of the lower left corner
     alignas(64) std::int32_t depth[tile_pixels + slack]; // depth_key, row by row
     alignas(64) std::uint32_t id[tile_pixels + slack];   // row by row; no_id where nothing was drawn

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include <emmintrin.h>
 #include <fmt/format.h>
 
 #include "core/error.h"
@@ -113,6 +114,7 @@ void clear_targets(const Targets& targets) {
             parallel_for(static_cast<size_t>(height), 64, [&](size_t begin, size_t end) {
                 target->fill(0, static_cast<int>(begin), width, static_cast<int>(end - begin),
                              targets.layer * targets.samples + s, targets.level, texel);
+                _mm_sfence();
             });
     };
     if (targets.depth && targets.clear_depth) clear(targets.depth, targets.depth->cleared_depth(*targets.clear_depth));

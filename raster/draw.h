@@ -87,14 +87,20 @@ namespace detail {
 
 using BlockColors = std::array<std::array<vec4, 64>, max_color_targets>;
 
-// An 8×8 block of fragments of one triangle, on its way through the fragment program. Bit 8·j + i is pixel (x + i, y +
-// j).
-struct FragmentBlock {
+// The fragments of one triangle in a block. Bit 8·j + i is pixel (x + i, y + j).
+struct FragmentRun {
     const SetupTriangle* triangle;
-    const AttributePlanes* attributes; // null without varyings
+    const AttributePlanes* planes; // null without varyings
+    std::uint64_t mask;
+};
+
+// An 8×8 block of fragments on its way through the fragment program.
+struct FragmentBlock {
+    std::span<const FragmentRun> runs; // of disjoint masks
     int x, y;
-    std::uint64_t mask; // in: fragments to shade; out: those not discarded
+    std::uint64_t kept; // out: fragments not discarded
     std::array<float, 64> depth;
+    std::array<float, 64> inverse_w, second, third; // with varyings: 1/w, and the perspective barycentric coordinates
     BlockColors* color;
     PassCounters* counters;
 };
@@ -123,28 +129,40 @@ struct CornerVaryings {
     const float *v0, *v1, *v2, *provoking;
 };
 
-// A whole struct of varyings at a pixel: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float, βi from planes in double.
-template <class V> V interpolate(const FragmentBlock& block, const CornerVaryings& corner, int x, int y) {
-    const SetupTriangle& t = *block.triangle;
-    const AttributePlanes& planes = *block.attributes;
-    const double w = 1.0 / t.evaluate(planes.inverse_w, x, y);
-    const auto b1 = static_cast<float>(t.evaluate(planes.second, x, y) * w);
-    const auto b2 = static_cast<float>(t.evaluate(planes.third, x, y) * w);
+// Perspective barycentric coordinates of the second and third corner, from planes in double.
+struct Barycentric {
+    float second, third;
+};
+inline Barycentric perspective_at(const FragmentRun& run, int x, int y) {
+    const SetupTriangle& t = *run.triangle;
+    const double w = 1.0 / t.evaluate(run.planes->inverse_w, x, y);
+    return {static_cast<float>(t.evaluate(run.planes->second, x, y) * w),
+            static_cast<float>(t.evaluate(run.planes->third, x, y) * w)};
+}
+
+// A whole struct of varyings at a pixel: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float.
+template <class V>
+[[gnu::always_inline]] inline V interpolate(const FragmentRun& run, const CornerVaryings& corner,
+                                            const Barycentric& perspective, int x, int y) {
     constexpr size_t count = sizeof(V) / sizeof(float);
     std::array<float, count> values;
-    const auto between = [&](size_t i, float second, float third) {
+    const auto between = [&](size_t i, const Barycentric& b) {
         const float v0 = corner.v0[i];
-        return (v0 + second * (corner.v1[i] - v0)) + third * (corner.v2[i] - v0);
+        return (v0 + b.second * (corner.v1[i] - v0)) + b.third * (corner.v2[i] - v0);
+    };
+    const auto linear = [&] {
+        const SetupTriangle& t = *run.triangle;
+        return Barycentric{static_cast<float>(t.evaluate(run.planes->second_linear, x, y)),
+                           static_cast<float>(t.evaluate(run.planes->third_linear, x, y))};
     };
     const auto set = [&]<size_t i>(std::integral_constant<size_t, i>) {
         constexpr Interpolation how = interpolation_of<V, i>();
         if constexpr (how == Interpolation::Flat)
             values[i] = corner.provoking[i];
         else if constexpr (how == Interpolation::Linear)
-            values[i] = between(i, static_cast<float>(t.evaluate(planes.second_linear, x, y)),
-                                static_cast<float>(t.evaluate(planes.third_linear, x, y)));
+            values[i] = between(i, linear());
         else
-            values[i] = between(i, b1, b2);
+            values[i] = between(i, perspective);
     };
     [&]<size_t... i>(std::index_sequence<i...>) { (set(std::integral_constant<size_t, i>{}), ...); }
     (std::make_index_sequence<count>{});
@@ -159,46 +177,45 @@ template <class V> V difference(const V& a, const V& b) {
 }
 
 template <class V, class Program>
-void shade_block(FragmentBlock& block, const float* varyings, std::span<const uvec3> triangles, FragmentFlags flags,
-                 ProvokingVertex provoking, int color_count, const Program& program) {
+void shade_run(FragmentBlock& block, const FragmentRun& run, const float* varyings, std::span<const uvec3> triangles,
+               FragmentFlags flags, ProvokingVertex provoking, size_t color_count, const Program& program) {
     constexpr bool has_varyings = !std::is_empty_v<V>;
     constexpr size_t stride = has_varyings ? sizeof(V) / sizeof(float) : 0;
-    const uvec3 index = triangles[block.triangle->primitive];
+    const uvec3 index = triangles[run.triangle->primitive];
     const std::uint32_t first_or_last = provoking == ProvokingVertex::First ? index.x : index.z;
     [[maybe_unused]] const CornerVaryings corner = {varyings + index.x * stride, varyings + index.y * stride,
                                                     varyings + index.z * stride, varyings + first_or_last * stride};
-    const auto at = [&]([[maybe_unused]] int x, [[maybe_unused]] int y) -> V {
-        if constexpr (has_varyings)
-            return interpolate<V>(block, corner, x, y);
-        else
-            return {};
+    [[maybe_unused]] const auto helper = [&](int x, int y) {
+        return interpolate<V>(run, corner, perspective_at(run, x, y), x, y);
     };
-    for (std::uint64_t rest = block.mask; rest; rest &= rest - 1) {
+    Fragment<V> fragment{};
+    fragment.front = run.triangle->front;
+    fragment.primitive = run.triangle->primitive;
+    fragment.counters = block.counters;
+    FragmentOutput output;
+    for (std::uint64_t rest = run.mask; rest; rest &= rest - 1) {
         const int bit = std::countr_zero(rest);
+        const auto at = static_cast<size_t>(bit);
         const int x = block.x + (bit & 7), y = block.y + (bit >> 3);
-        Fragment<V> fragment{};
         fragment.pixel = {x, y};
-        fragment.depth = block.depth[static_cast<size_t>(bit)];
-        fragment.front = block.triangle->front;
-        fragment.primitive = block.triangle->primitive;
-        fragment.counters = block.counters;
+        fragment.depth = block.depth[at];
         if constexpr (has_varyings) {
-            fragment.inverse_w = static_cast<float>(block.triangle->evaluate(block.attributes->inverse_w, x, y));
-            fragment.varyings = at(x, y);
+            fragment.inverse_w = block.inverse_w[at];
+            fragment.varyings = interpolate<V>(run, corner, {block.second[at], block.third[at]}, x, y);
             if (flags
                     .derivatives) { // quads sit on even coordinates; helpers beyond the triangle extrapolate its planes
                 const int left = x & ~1, bottom = y & ~1;
-                fragment.ddx = difference(at(left + 1, y), at(left, y));
-                fragment.ddy = difference(at(x, bottom + 1), at(x, bottom));
+                fragment.ddx = difference(helper(left + 1, y), helper(left, y));
+                fragment.ddy = difference(helper(x, bottom + 1), helper(x, bottom));
             }
         }
-        FragmentOutput output; // a target that the program leaves alone gets zeros
+        for (size_t c = 0; c < color_count; ++c) output.color[c] = vec4(0.0f); // what a program leaves alone is zero
         output.depth = fragment.depth;
-        program(fragment, output);
-        if (output.discarded) block.mask &= ~(std::uint64_t{1} << bit);
-        block.depth[static_cast<size_t>(bit)] = output.depth;
-        for (int c = 0; c < color_count; ++c)
-            (*block.color)[static_cast<size_t>(c)][static_cast<size_t>(bit)] = output.color[static_cast<size_t>(c)];
+        output.discarded = false;
+        program(std::as_const(fragment), output);
+        if (output.discarded) block.kept &= ~(std::uint64_t{1} << bit);
+        block.depth[at] = output.depth;
+        for (size_t c = 0; c < color_count; ++c) (*block.color)[c][at] = output.color[c];
     }
 }
 
@@ -234,8 +251,9 @@ void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, cons
     };
     if constexpr (!depth_only_program)
         call.fragments = [&](detail::FragmentBlock& block, const float* varyings) {
-            detail::shade_block<V>(block, varyings, geometry.triangles, fragment_program.flags, state.provoking_vertex,
-                                   static_cast<int>(targets.color.size()), fragment_program.program);
+            for (const detail::FragmentRun& run : block.runs)
+                detail::shade_run<V>(block, run, varyings, geometry.triangles, fragment_program.flags,
+                                     state.provoking_vertex, targets.color.size(), fragment_program.program);
         };
     detail::execute(pass, call, state, targets);
 }

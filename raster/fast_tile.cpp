@@ -51,10 +51,7 @@ void load_depth(const Target& target, const Targets& targets, bool load, DepthTi
     }
 }
 
-// Targets of this size are written past the caches, which they would only empty.
-constexpr std::int64_t streamed_bytes = std::int64_t{8} << 20;
-
-// One row of the tile, 256 bytes, both sides aligned to 64.
+// One row of the tile, 256 bytes.
 void stream_row(std::byte* to, const std::int32_t* from) {
     for (int k = 0; k < tile_side; k += 4)
         _mm_stream_si128(reinterpret_cast<__m128i*>(to + 4 * k),
@@ -63,7 +60,7 @@ void stream_row(std::byte* to, const std::int32_t* from) {
 
 void store_depth(Target& target, const Targets& targets, const DepthTile& tile) {
     const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
-    const bool stream = target.bytes() >= streamed_bytes;
+    const bool stream = is_streamed(target);
     for (int j = 0; j < extent.rows; ++j) {
         std::byte* to = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
         const std::int32_t* from = tile.depth + j * tile_side;
@@ -79,7 +76,6 @@ void store_depth(Target& target, const Targets& targets, const DepthTile& tile) 
             }
         }
     }
-    if (stream) _mm_sfence();
 }
 
 // Between a target's rows and the tile's blocks: visit(texels of the row, counters of the block's row, how many).
@@ -114,57 +110,77 @@ void store_counters(Target& target, const Targets& targets, const DepthTile& til
     });
 }
 
-// The load operations of targets that the tile does not hold.
-void fill_others(const Targets& targets, const ListState& state, const DepthTile& tile) {
-    const auto fill = [&](Target& target, const std::array<std::byte, 16>& texel) {
-        const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
-        target.fill(tile.x, tile.y, extent.columns, extent.rows, targets.layer, targets.level, texel);
-    };
-    const bool counting = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
-    if (targets.stencil && targets.clear_stencil && !counting)
-        fill(*targets.stencil, targets.stencil->cleared_uint(*targets.clear_stencil));
-    if (!targets.clear_color) return;
-    for (Target* target : targets.color)
-        if (target) fill(*target, target->cleared(*targets.clear_color));
+// The load operations of colour targets, for a square of pixels.
+void fill_colors(const Targets& targets, int x, int y, int side) {
+    for (Target* target : targets.color) {
+        if (!target) continue;
+        const int columns = std::min(side, target->width(targets.level) - x);
+        const int rows = std::min(side, target->height(targets.level) - y);
+        if (columns > 0 && rows > 0)
+            target->fill(x, y, columns, rows, targets.layer, targets.level, target->cleared(*targets.clear_color));
+    }
 }
 
-// Runs the program for the visible fragments, block by block, a triangle of the block at a time.
-void shade_visible(const TileDraw& draw, const DepthTile& tile, std::span<const TileList> lists,
+void fill_others(const Targets& targets, const ListState& state, const DepthTile& tile) {
+    const bool counting = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
+    if (targets.stencil && targets.clear_stencil && !counting) {
+        const Extent extent = extent_of(*targets.stencil, targets.level, tile.x, tile.y);
+        targets.stencil->fill(tile.x, tile.y, extent.columns, extent.rows, targets.layer, targets.level,
+                              targets.stencil->cleared_uint(*targets.clear_stencil));
+    }
+    if (targets.clear_color && state.mode != ListMode::Ids) fill_colors(targets, tile.x, tile.y, tile_side);
+}
+
+// Pixels of the block at (x, y) that exist.
+std::uint64_t existing_pixels(const Target& target, int level, int x, int y) {
+    const int columns = std::min(block_side, target.width(level) - x),
+              rows = std::min(block_side, target.height(level) - y);
+    if (columns <= 0 || rows <= 0) return 0;
+    return ((0xffull >> (8 - columns)) * 0x0101010101010101ull) & (~std::uint64_t{0} >> (8 * (8 - rows)));
+}
+
+// Runs the program for the visible fragments, block by block; with `clear` all others get the targets' clear colour.
+void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std::span<const TileList> lists,
                    PassCounters& counters) {
+    const Targets& targets = *draw.targets;
+    const bool has_varyings = draw.draw->varying_count > 0;
     BlockColors colors;
     FragmentBlock block;
     block.color = &colors;
     block.counters = &counters;
-    const int layer = draw.targets->layer;
+    std::array<FragmentRun, 64> runs;
+    std::array<AttributePlanes, 64> planes;
     for (int y = 0; y < tile_side; y += block_side)
         for (int x = 0; x < tile_side; x += block_side) {
             const std::uint32_t* ids = tile.id + y * tile_side + x;
-            const auto id_at = [&](int bit) { return ids[(bit >> 3) * tile_side + (bit & 7)]; };
-            std::uint64_t rest = 0;
-            for (int bit = 0; bit < 64; ++bit) rest |= std::uint64_t{id_at(bit) != DepthTile::no_id} << bit;
-            const std::uint64_t visible = rest;
-            if (!visible) continue;
+            const std::uint64_t visible = ~draw.kernels->equal_ids(ids, DepthTile::no_id);
             block.x = tile.x + x, block.y = tile.y + y;
-            while (rest) {
-                const std::uint32_t id = id_at(std::countr_zero(rest));
-                std::uint64_t same = 0;
-                for_each_pixel(rest, [&](int bit) { same |= std::uint64_t{id_at(bit) == id} << bit; });
-                rest &= ~same;
+            if (!visible) {
+                if (clear) fill_colors(targets, block.x, block.y, block_side);
+                continue;
+            }
+            size_t count = 0;
+            for (std::uint64_t rest = visible; rest; rest &= ~runs[count++].mask) {
+                const int bit = std::countr_zero(rest);
+                const std::uint32_t id = ids[(bit >> 3) * tile_side + (bit & 7)];
                 const SetupTriangles& chunk = *lists[id / most_triangles_of_a_list].triangles;
                 const SetupTriangle& triangle = chunk.data[id % most_triangles_of_a_list];
-                AttributePlanes planes;
-                if (draw.draw->varying_count > 0) planes = attribute_planes(draw, triangle, chunk.pieces.data());
-                block.triangle = &triangle;
-                block.attributes = draw.draw->varying_count > 0 ? &planes : nullptr;
-                block.mask = same;
+                if (has_varyings) planes[count] = attribute_planes(draw, triangle, chunk.pieces.data());
+                runs[count] = {&triangle, has_varyings ? &planes[count] : nullptr, draw.kernels->equal_ids(ids, id)};
                 Depths depth;
-                draw.kernels->depth(triangle, block.x, block.y, same, depth.data());
-                for_each_pixel(same, [&](int bit) {
-                    block.depth[static_cast<size_t>(bit)] = static_cast<float>(depth[static_cast<size_t>(bit)]);
-                });
-                draw.draw->fragments(block, draw.varyings);
+                draw.kernels->depth(triangle, block.x, block.y, runs[count].mask, depth.data());
+                set_inputs(draw, runs[count], block, depth);
             }
-            write_colors(draw, block.x, block.y, layer, visible, colors);
+            block.runs = std::span(runs.data(), count);
+            draw.draw->fragments(block, draw.varyings);
+            std::uint64_t written = visible;
+            if (clear) {
+                written = existing_pixels(*targets.depth, targets.level, block.x, block.y);
+                for (size_t c = 0; c < targets.color.size(); ++c)
+                    for_each_pixel(written & ~visible,
+                                   [&](int bit) { colors[c][static_cast<size_t>(bit)] = *targets.clear_color; });
+            }
+            write_colors(draw, block.x, block.y, targets.layer, written, colors);
         }
 }
 
@@ -236,8 +252,11 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
         if (state.mode == ListMode::Count8) store_counters(*targets.stencil, targets, tile, tile.count8);
         if (state.mode == ListMode::Count32) store_counters(*targets.stencil, targets, tile, tile.count32);
     }
-    if (state.mode == ListMode::Ids && counts.passed) shade_visible(draw, tile, lists, counters);
+    const bool clear_color = load && targets.clear_color;
+    if (state.mode == ListMode::Ids && (counts.passed || clear_color))
+        shade_visible(draw, tile, clear_color, lists, counters);
 
+    _mm_sfence(); // what was streamed is seen by whoever comes next
     const std::int64_t depth_bytes = info(targets.depth->format()).bytes;
     const bool stencil = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
     const std::int64_t stencil_bytes = stencil ? info(targets.stencil->format()).bytes : 0;

@@ -25,6 +25,43 @@ void depth(const SetupTriangle& t, int x, int y, std::uint64_t mask, double* out
     }
 }
 
+void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, int y, std::uint64_t mask,
+                  float* inverse_w, float* second, float* third) {
+    const hn::CappedTag<double, block_side> d;
+    const hn::Rebind<float, decltype(d)> f;
+    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, block_side>());
+    const double first = (x + 0.5) - t.x[0] * (1.0 / subpixels), anchor_y = t.y[0] * (1.0 / subpixels);
+    hn::Vec<decltype(d)> columns[block_side / lanes];
+    for (std::size_t p = 0; p < block_side / lanes; ++p)
+        columns[p] = hn::Iota(d, first + static_cast<double>(p * lanes));
+    for (int j = 0; mask; ++j, mask >>= 8) {
+        if (!(mask & 0xff)) continue;
+        const double up = (y + j + 0.5) - anchor_y;
+        for (std::size_t p = 0; p < block_side / lanes; ++p) {
+            const auto value = [&](const Plane& plane) {
+                return hn::Add(hn::Set(d, plane.value + plane.dy * up), hn::Mul(hn::Set(d, plane.dx), columns[p]));
+            };
+            const std::size_t at = 8 * static_cast<std::size_t>(j) + p * lanes;
+            const auto over_w = value(planes.inverse_w);
+            const auto w = hn::Div(hn::Set(d, 1.0), over_w);
+            const auto lanes_in = mask_of(f, (mask & 0xff) >> (p * lanes));
+            hn::BlendedStore(hn::DemoteTo(f, over_w), lanes_in, f, inverse_w + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.second), w)), lanes_in, f, second + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.third), w)), lanes_in, f, third + at);
+        }
+    }
+}
+
+std::uint64_t equal_ids(const std::uint32_t* ids, std::uint32_t id) {
+    const hn::CappedTag<std::uint32_t, block_side> u;
+    const auto wanted = hn::Set(u, id);
+    std::uint64_t equal = 0;
+    for (std::size_t j = 0; j < block_side; ++j)
+        for (std::size_t i = 0; i < block_side; i += hn::MaxLanes(u))
+            equal |= bits_of(u, hn::Eq(hn::LoadU(u, ids + tile_side * j + i), wanted)) << (8 * j + i);
+    return equal;
+}
+
 template <Compare test, class D, class V> HWY_INLINE hn::Mask<D> passes(D d, V fresh, V stored) {
     if constexpr (test == Compare::Less)
         return hn::Lt(fresh, stored);
@@ -91,11 +128,11 @@ std::uint64_t test_d32f(const SetupTriangle& t, int x, int y, std::uint64_t mask
 
 const Kernels* table() {
 #if HWY_TARGET == HWY_AVX3
-    static constexpr Kernels kernels = {"avx512", coverage, depth, test_d32f};
+    static constexpr Kernels kernels = {"avx512", coverage, depth, barycentrics, test_d32f, equal_ids};
 #elif HWY_TARGET == HWY_AVX2
-    static constexpr Kernels kernels = {"avx2", coverage, depth, test_d32f};
+    static constexpr Kernels kernels = {"avx2", coverage, depth, barycentrics, test_d32f, equal_ids};
 #else
-    static constexpr Kernels kernels = {"plain", coverage, depth, test_d32f};
+    static constexpr Kernels kernels = {"plain", coverage, depth, barycentrics, test_d32f, equal_ids};
 #endif
     return &kernels;
 }

@@ -23,10 +23,18 @@ struct Kernels {
     // offset, clamped to [0, 1].
     void (*depth)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, double* depth);
 
+    // Of every pixel in the mask: 1/w, and the perspective barycentric coordinates of the second and
+    // third corner, from their planes in double.
+    void (*barycentrics)(const SetupTriangle& triangle, const AttributePlanes& planes, int x, int y, std::uint64_t mask,
+                         float* inverse_w, float* second, float* third);
+
     // Depth test of a D32F block whose lower left value is at `stored`, rows `stride` floats apart: the pixels of the
     // mask that pass; their depth is stored if `write`.
     std::uint64_t (*test_d32f)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, float* stored,
                                std::size_t stride, Compare test, bool write);
+
+    // Pixels of a block of a tile's ids, rows tile_side apart, that hold `id`.
+    std::uint64_t (*equal_ids)(const std::uint32_t* ids, std::uint32_t id);
 };
 
 // Throws UsageError where GNOMON_ISA names no instruction set, or one that this machine lacks.

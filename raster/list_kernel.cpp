@@ -37,7 +37,7 @@ template <bool floats, class V> HWY_INLINE auto to_key(V z, double scale) {
 // come last, as integers: no key of a depth in [0, 1] is negative, and whatever is beyond stays beyond.
 struct DepthKeys {
     Double columns[block_side / hn::MaxLanes(Doubles())];
-    alignas(64) double rows[2 * block_side];
+    alignas(64) double rows[4 * block_side];
     double value, dx, dy, anchor_x, anchor_y, offset, scale;
     std::int32_t low, high;
 
@@ -208,34 +208,49 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
                              std::uint32_t id, TileCounts& counts) {
     const Ints i;
     DepthKeys depth(t, state.key_scale);
-    depth.set_rows(tile.y + box.y0, static_cast<std::size_t>(box.y1 - box.y0 + 1));
     std::uint64_t covered = 0, passed = 0;
-    for (int x = box.x0; x <= box.x1; x += block_side) {
+    Int value[3][int_parts];
+    std::int32_t up[3];
+    const auto start = [&](int x, int y) {
         depth.set_columns(tile.x + x);
-        const SmallEdges edges(t, state.conservative, tile.x + x, tile.y + box.y0);
-        Int value[3][int_parts];
-        Lanes inside_box[int_parts];
+        const SmallEdges edges(t, state.conservative, tile.x + x, tile.y + y);
+        for (int e = 0; e < 3; ++e) {
+            up[e] = edges.b[e];
+            for (std::size_t p = 0; p < int_parts; ++p) {
+                const auto lane = hn::Iota(i, static_cast<std::int32_t>(p * int_lanes));
+                value[e][p] = hn::Add(hn::Set(i, edges.base[e]), hn::Mul(lane, hn::Set(i, edges.a[e])));
+            }
+        }
+    };
+    // Row j of the box from x on; `beyond` is negative where there is no such row.
+    const auto draw_row = [&](int x, int j, int beyond) {
         for (std::size_t p = 0; p < int_parts; ++p) {
             const auto lane = hn::Iota(i, static_cast<std::int32_t>(p * int_lanes));
-            inside_box[p] = hn::Lt(lane, hn::Set(i, box.x1 - x + 1));
-            for (int e = 0; e < 3; ++e)
-                value[e][p] = hn::Add(hn::Set(i, edges.base[e]), hn::Mul(lane, hn::Set(i, edges.a[e])));
+            const Int outside = hn::Or(hn::Or(value[0][p], value[1][p]), hn::Or(value[2][p], hn::Set(i, beyond)));
+            const Lanes inside = hn::And(hn::Gt(outside, hn::Set(i, -1)), hn::Lt(lane, hn::Set(i, box.x1 - x + 1)));
+            for (int e = 0; e < 3; ++e) value[e][p] = hn::Add(value[e][p], hn::Set(i, up[e]));
+            const std::size_t at = static_cast<std::size_t>((box.y0 + j) * tile_side + x) + p * int_lanes;
+            const Int fresh = depth.at<floats>(j, p);
+            const Lanes pass = hn::And(passes<less>(state.test, fresh, hn::LoadU(i, tile.depth + at)), inside);
+            if (state.write) hn::BlendedStore(fresh, pass, i, tile.depth + at);
+            if constexpr (with_ids)
+                hn::BlendedStore(hn::Set(i, static_cast<std::int32_t>(id)), pass, i,
+                                 reinterpret_cast<std::int32_t*>(tile.id) + at);
+            covered += hn::CountTrue(i, inside);
+            passed += hn::CountTrue(i, pass);
         }
-        for (int y = box.y0; y <= box.y1; ++y) {
-            for (std::size_t p = 0; p < int_parts; ++p) {
-                const Int outside = hn::Or(hn::Or(value[0][p], value[1][p]), value[2][p]);
-                const Lanes inside = hn::And(hn::Gt(outside, hn::Set(i, -1)), inside_box[p]);
-                for (int e = 0; e < 3; ++e) value[e][p] = hn::Add(value[e][p], hn::Set(i, edges.b[e]));
-                const std::size_t at = static_cast<std::size_t>(y * tile_side + x) + p * int_lanes;
-                const Int fresh = depth.at<floats>(y - box.y0, p);
-                const Lanes pass = hn::And(passes<less>(state.test, fresh, hn::LoadU(i, tile.depth + at)), inside);
-                if (state.write) hn::BlendedStore(fresh, pass, i, tile.depth + at);
-                if constexpr (with_ids)
-                    hn::BlendedStore(hn::Set(i, static_cast<std::int32_t>(id)), pass, i,
-                                     reinterpret_cast<std::int32_t*>(tile.id) + at);
-                covered += hn::CountTrue(i, inside);
-                passed += hn::CountTrue(i, pass);
-            }
+    };
+    const int last = box.y1 - box.y0;
+    constexpr int few = 4; // rows, drawn without asking how many there are
+    if (last < few && box.x1 - box.x0 < block_side) {
+        depth.set_rows(tile.y + box.y0, few);
+        start(box.x0, box.y0);
+        for (int j = 0; j < few; ++j) draw_row(box.x0, j, last - j);
+    } else {
+        depth.set_rows(tile.y + box.y0, static_cast<std::size_t>(last + 1));
+        for (int x = box.x0; x <= box.x1; x += block_side) {
+            start(x, box.y0);
+            for (int j = 0; j <= last; ++j) draw_row(x, j, 0);
         }
     }
     counts.covered += static_cast<std::int64_t>(covered);
@@ -504,19 +519,26 @@ void draw_blocks(const ListState& state, const BlockFunctions& functions, DepthT
     // Bounds of the whole triangle do for one that is not large.
     const bool large = c1 - c0 > 3 || r1 - r0 > 3;
     alignas(64) std::int32_t low[tile_blocks], high[tile_blocks];
-    for (std::size_t k = 0; k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
+    bool bounded = true;
     for (int r = r0; r <= r1; ++r) {
         const int y = r * block_side;
         const BlockEdges::Row row = edges.row(y);
         const std::uint32_t touched = row.touched & columns;
         if (!touched) continue;
+        for (std::size_t k = 0; bounded && k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
+        bounded = false;
         const std::uint32_t in_box = y >= box.y0 && y + 7 <= box.y1 ? whole_columns : 0;
         const std::uint32_t whole = in_box & ~(row.crossed[0] | row.crossed[1] | row.crossed[2]);
         depth.set_rows(tile.y + y, block_side);
-        if (large) functions.bound(depth, tile.x, low, high);
         prepare_bounds(state, tile, r, touched, low, high);
         const int first = r * tile_blocks;
-        const Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
+        Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
+        if (large && touched & ~(verdicts.all | verdicts.none)) { // what the whole triangle's range leaves open
+            functions.bound(depth, tile.x, low, high);
+            prepare_bounds(state, tile, r, touched, low, high);
+            verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
+            bounded = true;
+        }
 
         // What bounds alone decide.
         const std::uint32_t filled = state.write ? whole & verdicts.all : 0;

@@ -265,7 +265,7 @@ void finish_part(const SetupState& state, const Survivors& in, std::size_t at, F
     const bool whole_pixels = state.conservative || state.multisampled;
     PixelRange<decltype(i), V> columns(i, v.x[0], v.x[1], v.x[2], whole_pixels);
     PixelRange<decltype(i), V> rows(i, v.y[0], v.y[1], v.y[2], whole_pixels);
-    const V limit = hn::Set(i, 16);
+    const V limit = hn::Set(i, 32);
     const auto small =
         hn::And(hn::Lt(hn::Sub(columns.last, columns.first), limit), hn::Lt(hn::Sub(rows.last, rows.first), limit));
     hn::StoreU(hn::IfThenElseZero(small, hn::Set(i, 1)), i, out.small);
@@ -300,8 +300,30 @@ void finish(const SetupState& state, const Survivors& in, SetupTriangle* triangl
     }
 }
 
+// Edge functions in double, which holds them: the corner of the tile that is most inside decides for each edge.
+std::uint32_t touched_tiles(const SetupTriangle& t, int x0, int y, bool whole_pixels) {
+    constexpr std::size_t tiles = 8;
+    const hn::CappedTag<double, tiles> d;
+    const double inset = whole_pixels ? 0 : 128, side = tile_side * 256;
+    std::uint32_t touched = 0;
+    for (std::size_t p = 0; p < tiles; p += hn::MaxLanes(d)) {
+        const auto left = hn::Iota(d, static_cast<double>(x0) + static_cast<double>(p));
+        auto least = hn::Zero(d);
+        for (int e = 0; e < 3; ++e) {
+            const double a = t.y[e] - t.y[e + 1], b = t.x[e + 1] - t.x[e];
+            const double right = a > 0 ? side - inset : inset, up = y * side + (b > 0 ? side - inset : inset) - t.y[e];
+            const auto x = hn::Add(hn::Mul(left, hn::Set(d, side)), hn::Set(d, right - t.x[e]));
+            least = hn::Min(least, hn::Add(hn::Mul(x, hn::Set(d, a)), hn::Set(d, b * up)));
+        }
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::Ge(least, hn::Zero(d)), bits);
+        touched |= static_cast<std::uint32_t>(bits[0]) << p;
+    }
+    return touched;
+}
+
 const SetupKernels* setup_table() {
-    static constexpr SetupKernels kernels = {to_window, cull, finish};
+    static constexpr SetupKernels kernels = {to_window, cull, finish, touched_tiles};
     return &kernels;
 }
 

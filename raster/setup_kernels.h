@@ -20,6 +20,12 @@ struct Survivors {
     alignas(64) std::uint32_t mirrored[capacity + slack]; // 1 where the corners run against the order of submission
 };
 
+// A rectangle of tiles, inclusive.
+struct TileBox {
+    int x0, y0, x1, y1;
+    bool contains(int x, int y) const { return x >= x0 && x <= x1 && y >= y0 && y <= y1; }
+};
+
 struct SetupKernels {
     // Window vertices of clip positions.
     void (*to_window)(const SetupState& state, const vec4* positions, std::size_t count, WindowVertex* window);
@@ -31,6 +37,10 @@ struct SetupKernels {
 
     // Makes set-up triangles of all survivors, without polygon offset.
     void (*finish)(const SetupState& state, const Survivors& survivors, SetupTriangle* triangles);
+
+    // Which of the tiles x0 to x0 + 7 of row y the triangle's edges leave something of inside, as bits: a pixel centre,
+    // or, where whole pixels count, any point.
+    std::uint32_t (*touched_tiles)(const SetupTriangle& triangle, int x0, int y, bool whole_pixels);
 };
 
 const SetupKernels& setup_kernels(); // errors as kernels()

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 
+#include <emmintrin.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
 
@@ -71,28 +72,44 @@ size_t Target::level_begin(int level) const {
 
 namespace {
 
-void fill_texels(std::byte* at, size_t texels, size_t texel_bytes, const std::array<std::byte, 16>& value) {
-    if (texel_bytes == 4) {
-        std::uint32_t word;
-        std::memcpy(&word, value.data(), 4);
-        std::fill_n(reinterpret_cast<std::uint32_t*>(at), texels, word);
-    } else {
-        for (size_t i = 0; i < texels; ++i, at += texel_bytes) std::memcpy(at, value.data(), texel_bytes);
+// Copies of one texel. Sizes are powers of two up to 16, so that 64 bytes hold whole texels.
+class Filler {
+public:
+    Filler(size_t texel_bytes, const std::array<std::byte, 16>& texel, bool stream) : stream_(stream) {
+        for (size_t i = 0; i < pattern_.size(); i += texel_bytes) std::memcpy(&pattern_[i], texel.data(), texel_bytes);
     }
-}
+    void fill(std::byte* at, size_t bytes) const {
+        if (stream_ && reinterpret_cast<std::uintptr_t>(at) % 64 == 0) {
+            for (; bytes >= pattern_.size(); bytes -= pattern_.size(), at += pattern_.size())
+                for (size_t i = 0; i < pattern_.size(); i += 16)
+                    _mm_stream_si128(reinterpret_cast<__m128i*>(at + i),
+                                     _mm_load_si128(reinterpret_cast<const __m128i*>(&pattern_[i])));
+        }
+        for (; bytes >= pattern_.size(); bytes -= pattern_.size(), at += pattern_.size())
+            std::memcpy(at, pattern_.data(), pattern_.size());
+        std::memcpy(at, pattern_.data(), bytes);
+    }
+
+private:
+    alignas(64) std::array<std::byte, 64> pattern_;
+    bool stream_;
+};
 
 } // namespace
 
 void Target::fill_all(Pass& pass, const std::array<std::byte, 16>& value) {
-    parallel_for(size_ / texel_bytes_, size_t{1} << 18, [&](size_t begin, size_t end) {
-        fill_texels(bytes_.get() + begin * texel_bytes_, end - begin, texel_bytes_, value);
+    const Filler filler(texel_bytes_, value, is_streamed(*this));
+    parallel_for(size_, size_t{1} << 20, [&](size_t begin, size_t end) {
+        filler.fill(bytes_.get() + begin, end - begin);
+        _mm_sfence();
     });
     pass.counters().bytes_written += bytes();
 }
 
 void Target::fill(int x, int y, int columns, int rows, int layer, int level, const std::array<std::byte, 16>& value) {
+    const Filler filler(texel_bytes_, value, is_streamed(*this));
     for (int j = y; j < y + rows; ++j)
-        fill_texels(texel(x, j, layer, level), static_cast<size_t>(columns), texel_bytes_, value);
+        filler.fill(texel(x, j, layer, level), static_cast<size_t>(columns) * texel_bytes_);
 }
 
 namespace {

@@ -49,7 +49,8 @@ public:
     std::array<std::byte, 16> cleared(vec4 value) const; // integer formats take the bits
     std::array<std::byte, 16> cleared_depth(float depth) const;
     std::array<std::byte, 16> cleared_uint(std::uint32_t value) const;
-    // Copies a texel over a rectangle of one layer and level; nothing is counted.
+    // Copies a texel over a rectangle of one layer and level; nothing is counted. Large targets are written past the
+    // caches: other threads see it after a store fence.
     void fill(int x, int y, int columns, int rows, int layer, int level, const std::array<std::byte, 16>& texel);
 
     // Texel values as a program sees them: missing channels are 0, alpha 1. Integer formats go through the _uint
@@ -131,6 +132,9 @@ private:
     size_t size_;
     std::unique_ptr<std::byte[], Release> bytes_;
 };
+
+// Targets of this size are written past the caches, which they would only empty.
+inline bool is_streamed(const Target& target) { return target.bytes() >= std::int64_t{8} << 20; }
 
 // What a draw or a full-screen pass writes to: one layer and one level of each. All of one size; any may be absent.
 struct Targets {

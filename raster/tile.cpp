@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <emmintrin.h>
 #include <optional>
 
 #include "raster/blend.h"
@@ -48,6 +49,27 @@ bool reads_color(const PipelineState& state, const FormatInfo& format) {
     return integer ? state.logic_op >= LogicOp::And : state.blend.enabled;
 }
 
+// Colours that are stored as they are.
+void write_texels(Target& target, int x, int y, int layer, int level, std::uint64_t mask,
+                  const std::array<vec4, 64>& colors) {
+    const bool stream = is_streamed(target);
+    for_each_row(mask, [&](int j, std::uint32_t lanes) {
+        std::byte* to = target.texel(x, y + j, layer, level);
+        const vec4* from = colors.data() + 8 * j;
+        if (lanes != 0xff) {
+            for (; lanes; lanes &= lanes - 1) {
+                const int i = std::countr_zero(lanes);
+                std::memcpy(to + 16 * i, from + i, 16);
+            }
+        } else if (stream && reinterpret_cast<std::uintptr_t>(to) % 16 == 0) {
+            for (int i = 0; i < block_side; ++i)
+                _mm_stream_ps(reinterpret_cast<float*>(to + 16 * i), _mm_loadu_ps(&from[i].x));
+        } else {
+            std::memcpy(to, from, 16 * block_side);
+        }
+    });
+}
+
 // The planes of a triangle's varyings, made when the first of its fragments asks.
 struct LazyPlanes {
     const TileDraw& tile;
@@ -75,23 +97,23 @@ struct Shading {
     PassCounters& counters;
     BlockColors colors;
     FragmentBlock block;
+    const AttributePlanes* planes;
 
-    Shading(const TileDraw& t, LazyPlanes& attributes, int x, int y, PassCounters& c) : tile(t), counters(c) {
-        block.attributes = attributes.get();
+    Shading(const TileDraw& t, LazyPlanes& attributes, int x, int y, PassCounters& c)
+        : tile(t), counters(c), planes(attributes.get()) {
         block.x = x, block.y = y;
         block.color = &colors;
         block.counters = &c;
     }
     // Runs it for the lanes; returns those that it keeps.
     std::uint64_t run(const SetupTriangle& triangle, std::uint64_t lanes, const Depths& depth) {
-        block.triangle = &triangle;
-        block.mask = lanes;
-        for_each_pixel(lanes, [&](int bit) {
-            block.depth[static_cast<size_t>(bit)] = static_cast<float>(depth[static_cast<size_t>(bit)]);
-        });
+        const FragmentRun run = {&triangle, planes, lanes};
+        block.runs = {&run, 1};
+        block.kept = lanes;
+        set_inputs(tile, run, block, depth);
         counters.fragments_shaded += std::popcount(lanes);
         tile.draw->fragments(block, tile.varyings);
-        return block.mask;
+        return block.kept;
     }
 };
 
@@ -174,6 +196,15 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, LazyPlanes&
 
 } // namespace
 
+void set_inputs(const TileDraw& tile, const FragmentRun& run, FragmentBlock& block, const Depths& depth) {
+    for_each_pixel(run.mask, [&](int bit) {
+        block.depth[static_cast<size_t>(bit)] = static_cast<float>(depth[static_cast<size_t>(bit)]);
+    });
+    if (run.planes)
+        tile.kernels->barycentrics(*run.triangle, *run.planes, block.x, block.y, run.mask, block.inverse_w.data(),
+                                   block.second.data(), block.third.data());
+}
+
 AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces) {
     if (triangle.piece != SetupTriangle::whole) return gnomon::attribute_planes(triangle, pieces[triangle.piece]);
     const uvec3 index = tile.draw->geometry.triangles[triangle.primitive];
@@ -199,14 +230,15 @@ void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t m
         Target* target = tile.targets->color[c];
         const std::uint8_t channels = tile.state->color_mask[c];
         if (!target || channels == 0) continue;
+        if (target->format() == Format::RGBA32F && channels == 15 && !tile.state->blend.enabled) {
+            write_texels(*target, x, y, layer, level, mask, colors[c]);
+            continue;
+        }
         const bool integer = info(target->format()).kind == FormatInfo::Kind::Uint;
-        const bool whole_texels = target->format() == Format::RGBA32F && channels == 15 && !tile.state->blend.enabled;
         for_each_pixel(mask, [&](int bit) {
             const int px = x + (bit & 7), py = y + (bit >> 3);
             const vec4 source = colors[c][static_cast<size_t>(bit)];
-            if (whole_texels) {
-                std::memcpy(target->texel(px, py, layer, level), &source, sizeof(source));
-            } else if (integer) {
+            if (integer) {
                 const glm::uvec4 bits = glm::floatBitsToUint(source);
                 target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer, level),
                                    channels, level);

@@ -20,6 +20,11 @@ struct TileDraw {
 // The planes of a triangle's varyings; `pieces` are those of its chunk.
 AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces);
 
+using Depths = std::array<double, 64>;
+
+// The inputs of a run's fragments from its depths and planes.
+void set_inputs(const TileDraw& tile, const FragmentRun& run, FragmentBlock& block, const Depths& depth);
+
 // Writes what the fragment program gave to the colour targets, for the pixels of the mask in the block at (x, y).
 void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const BlockColors& colors);
 
