@@ -17,7 +17,8 @@ namespace {
 
 constexpr const char* footer =
     "Exit codes: 0 done, 1 a --fail-above bound was crossed, 2 wrong usage, 3 bad input, 4 a failure "
-    "of the program.\n`gnomon COMMAND --help` shows a command's options, `gnomon list` and `gnomon "
+    "of the program, 130 or 143 interrupted (gnomon truth can be resumed).\n`gnomon COMMAND --help` shows a command's "
+    "options, `gnomon list` and `gnomon "
     "help NAME` the techniques, scenes and metrics.";
 
 std::vector<std::string> command_names(const CLI::App& program) {

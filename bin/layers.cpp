@@ -26,6 +26,13 @@ float height_above_horizon(const Receiver& receiver, const Light& light) {
         return center + 0.5f * light.size.x * std::sqrt(along * along + across * across);
     case LightType::Sphere:
         return center + 0.5f * light.size.x;
+    case LightType::Mesh: {
+        float highest = center;
+        for (const LightTriangle& t : light.triangles)
+            for (const vec3 corner : {t.a, t.b, t.c})
+                highest = std::max(highest, glm::dot(n, corner - receiver.position));
+        return highest;
+    }
     default:
         return center;
     }
@@ -77,6 +84,8 @@ ChannelImage make_layers(const RenderRequest& request, const Frame& frame, const
     for (size_t i = 0; i < images.size(); ++i) {
         layers.add(light_channel("V", images[i].light, images.size()), images[i].visibility.values);
         layers.add(light_channel("M", images[i].light, images.size()), light_mask(frame.receivers(), lights[i]));
+        for (const NamedImage& layer : images[i].visibility.layers)
+            layers.add(light_channel(layer.name, images[i].light, images.size()), layer.values);
     }
     add_aovs(layers, request.aovs, frame.gbuffer());
     if (request.debug_images)

@@ -22,8 +22,8 @@ Image<float> light_mask(const Receivers& receivers, const Light& light);
 // "V" for the only light, "<light>.V" for one of several; the same for the mask "M".
 std::string light_channel(const std::string& channel, const std::string& light, size_t light_count);
 
-// R, G, B, then V and M of every light, then the AOVs, then debug images of the size of the frame. Other debug images
-// go to files of their own, see write_debug_images.
+// R, G, B, then V, M and the technique's other layers of every light, then the AOVs, then debug images of the size of
+// the frame. Other debug images go to files of their own, see write_debug_images.
 ChannelImage make_layers(const RenderRequest& request, const Frame& frame, const std::vector<Light>& lights,
                          const Image<vec3>& radiance, const std::vector<LitImage>& images,
                          const std::map<std::string, Attribute>& attributes);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bin/long_run.h"
 #include "bin/options.h"
 #include "bin/outputs.h"
 #include "techniques/technique.h"
@@ -52,6 +53,7 @@ struct RenderRequest {
     std::string stats, report, command_line;
     std::optional<TechniqueRequest> reference;
     bool progress = false;
+    std::optional<LongRun> long_run; // gnomon truth
 };
 // Reads everything that can be read without touching a file but for trying out where results go. Throws UsageError,
 // InputError.

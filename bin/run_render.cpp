@@ -1,6 +1,8 @@
 // From a request to files: load, G-buffer, then technique by technique, each written as soon as it is done.
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -8,6 +10,8 @@
 #include "bin/report.h"
 #include "bin/stats.h"
 #include "bin/text.h"
+#include "core/digest.h"
+#include "core/interrupt.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 
@@ -23,6 +27,8 @@ struct Session {
     Image<vec3> base;                    // radiance without direct light
     std::vector<Image<vec3>> unshadowed; // direct light, one image a light
     float exposure = 1;
+    std::unique_ptr<TruthState> state; // of a long run
+    std::string run_digest;            // of what shares of one image have in common
 };
 
 class Step {
@@ -74,18 +80,20 @@ void prepare_shading(Session& session) {
     session.stats.exposure = session.exposure;
 }
 
-LitImage shade_light(Session& session, const TechniqueRequest& technique, const std::string& label,
-                     const Light& light) {
+LitImage shade_light(Session& session, const TechniqueRequest& technique, const std::string& label, size_t index) {
+    const Light& light = session.stage.lights[index];
     Frame& frame = session.frame;
+    frame.truth_run.light_index = static_cast<std::uint32_t>(index);
     frame.begin_technique();
-    Progress progress(label, frame.height(), session.request.progress);
+    const std::int64_t pixels = std::int64_t{frame.width()} * frame.height();
+    Progress progress(label, pixels, session.request.progress);
     frame.progress = &progress;
     const double shared_before = frame.adjacency_seconds() + frame.rays_seconds();
     const Stopwatch watch;
     LitImage image{light.name,
                    run_technique(*technique.entry, *technique.entry->make(technique.parameters), frame, light)};
     const double shared = frame.adjacency_seconds() + frame.rays_seconds() - shared_before;
-    progress.advance(frame.height()); // most techniques do not report by rows
+    progress.advance(pixels); // most techniques do not report
     frame.progress = nullptr;
     session.stats.techniques.push_back({label, technique.entry->info.id, light.name,
                                         parameters_json(technique.entry->parameters, technique.parameters),
@@ -105,7 +113,7 @@ Rendered render_technique(Session& session, const TechniqueRequest& technique, c
     Rendered rendered{technique, files, session.base, {}, session.stats.techniques.size()};
     double seconds = 0;
     for (size_t i = 0; i < session.stage.lights.size(); ++i) {
-        rendered.images.push_back(shade_light(session, technique, files.label, session.stage.lights[i]));
+        rendered.images.push_back(shade_light(session, technique, files.label, i));
         add_light(rendered.radiance, session.unshadowed[i], rendered.images.back().visibility);
         seconds += session.stats.techniques.back().seconds;
     }
@@ -120,15 +128,18 @@ std::map<std::string, Attribute> make_attributes(const Session& session, const T
     const Camera& camera = session.stage.camera;
     const dmat4 view = view_matrix(camera);
     const double aspect = static_cast<double>(session.frame.width()) / session.frame.height();
-    return {{"gnomon:version", GNOMON_VERSION},
-            {"gnomon:scene", session.stage.scene.name},
-            {"gnomon:camera", camera.name},
-            {"gnomon:light", lights},
-            {"gnomon:technique", technique.entry->info.id},
-            {"gnomon:parameters", parameters.dump()},
-            {"samplesPerPixel", parameters.contains("samples") ? parameters["samples"].get<int>() : 1},
-            {"worldToCamera", mat4(view)},
-            {"worldToNDC", mat4(projection_matrix(camera, aspect) * view)}};
+    std::map<std::string, Attribute> attributes = share_attributes(session.frame.truth_run.share, session.run_digest);
+    attributes.merge(std::map<std::string, Attribute>{
+        {"gnomon:version", GNOMON_VERSION},
+        {"gnomon:scene", session.stage.scene.name},
+        {"gnomon:camera", camera.name},
+        {"gnomon:light", lights},
+        {"gnomon:technique", technique.entry->info.id},
+        {"gnomon:parameters", parameters.dump()},
+        {"samplesPerPixel", parameters.contains("samples") ? parameters["samples"].get<int>() : 1},
+        {"worldToCamera", mat4(view)},
+        {"worldToNDC", mat4(projection_matrix(camera, aspect) * view)}});
+    return attributes;
 }
 
 void write_images(Session& session, const Rendered& rendered) {
@@ -197,6 +208,37 @@ void render_all(Session& session, const Work& work) {
     report.write();
 }
 
+// Opens the state of the one technique of a long run.
+void begin_long_run(Session& session, const Work& work) {
+    const RenderRequest& request = session.request;
+    const TechniqueRequest& technique = work.techniques.front();
+    const nlohmann::json parameters = parameters_json(technique.entry->parameters, technique.parameters);
+    nlohmann::ordered_json identity =
+        truth_identity(session.stage.scene, session.frame.receivers(), session.stage.lights);
+    identity["version"] = GNOMON_VERSION;
+    for (const char* key : {"pattern", "seed"}) identity[key] = parameters[key];
+    identity["target error"] = parameters["target-error"] > 0 ? "on" : "off";
+    Digest digest;
+    digest.add_text(identity.dump());
+    digest.add_text(parameters.dump());
+    digest.add(request.ambient);
+    session.run_digest = digest.text();
+    const OutputFiles& files = work.files.front();
+    make_folders(work.files);
+    session.state =
+        open_state(*request.long_run, files.exr.empty() ? files.png : files.exr, identity, request.scene.quiet);
+    session.frame.truth_run.state = session.state.get();
+    session.frame.truth_run.share = request.long_run->share;
+}
+
+void end_long_run(Session& session) {
+    if (!session.state) return;
+    if (session.request.long_run->keep_state)
+        session.state->save();
+    else
+        session.state->remove();
+}
+
 void run(const RenderRequest& request) {
     RunStats stats;
     Stopwatch watch;
@@ -215,9 +257,15 @@ void run(const RenderRequest& request) {
     stats.objects = stage.scene.objects.size();
     stats.width = request.size.x, stats.height = request.size.y;
 
-    Session session{request, stage, frame, stats, {}, {}};
+    std::optional<InterruptScope> interruptible;
+    Session session{request, stage, frame, stats, {}, {}, 1, nullptr, ""};
     prepare_shading(session);
+    if (request.long_run) {
+        begin_long_run(session, work);
+        if (session.state) interruptible.emplace();
+    }
     render_all(session, work);
+    end_long_run(session);
     stats.steps.push_back({"adjacency", frame.adjacency_seconds()});
     stats.steps.push_back({"embree", frame.rays_seconds()});
     if (!request.stats.empty()) write_json(request.stats, stats_json(stats));

@@ -46,6 +46,7 @@ ordered_json passes_json(const PassLog& log) {
                           {"texels_fetched", pass.texels_fetched},
                           {"bytes_read", pass.bytes_read},
                           {"bytes_written", pass.bytes_written},
+                          {"rays", pass.rays},
                           {"seconds", pass.seconds}});
     return passes;
 }

@@ -1,4 +1,4 @@
-// gnomon truth: the technique 'truth' under a name of its own.
+// gnomon truth: the technique 'truth' under a name of its own, with what long runs need.
 
 #include <memory>
 
@@ -6,34 +6,63 @@
 #include <fmt/format.h>
 
 #include "bin/commands.h"
+#include "bin/long_run.h"
 #include "bin/render_options.h"
 
 namespace gnomon {
+namespace {
 
-void add_truth_command(CLI::App& program) {
-    struct TruthOptions : RenderOptions {
-        ParameterText parameters;
-    };
-    const auto options = std::make_shared<TruthOptions>();
-    CLI::App* command = program.add_subcommand("truth", "the ground truth: area-light visibility by ray tracing");
+struct TruthOptions : RenderOptions {
+    ParameterText parameters;
+    LongRunOptions long_run;
+    std::vector<std::string> merge;
+};
+
+void add_parameters(CLI::App& command, TruthOptions& options) {
     for (const ParameterInfo& info : find_technique("truth").parameters) {
         std::string help = info.help;
         if (info.choices.empty()) help += fmt::format(" ({} to {})", info.minimum, info.maximum);
-        std::string& value = options->parameters[info.name] = info.default_text;
-        command->add_option("--" + info.name, value, help)
+        std::string& value = options.parameters[info.name] = info.default_text;
+        command.add_option("--" + info.name, value, help)
             ->type_name(info.choices.empty() ? "N" : fmt::format("{}", fmt::join(info.choices, "|")))
             ->capture_default_str();
     }
+}
+
+void run(TruthOptions& options) {
+    if (!options.merge.empty()) {
+        if (extension(options.output) != ".exr")
+            throw UsageError(fmt::format("--output is '{}', but --merge writes an .exr", options.output));
+        check_writable(options.output);
+        return merge_shares(options.merge, options.output);
+    }
+    std::string specification = "truth:";
+    for (const auto& [name, value] : options.parameters) specification += name + "=" + value + ",";
+    specification.pop_back();
+    options.techniques = {specification};
+    const LongRun long_run = read_long_run_options(options.long_run);
+    if (long_run.share.parts > 1 && (can_hold_several(options.output) || extension(options.output) != ".exr"))
+        throw UsageError(
+            fmt::format("--output is '{}', but a share of an image is written as one .exr", options.output));
+    RenderRequest request = read_render_options(options);
+    request.long_run = long_run;
+    run_render(request);
+}
+
+} // namespace
+
+void add_truth_command(CLI::App& program) {
+    const auto options = std::make_shared<TruthOptions>();
+    CLI::App* command = program.add_subcommand("truth", "the ground truth: area-light visibility by ray tracing");
+    add_parameters(*command, *options);
     command->add_option("-o,--output", options->output, "image file")->type_name("TRUTH.exr")->required();
     add_scene_options(*command, *options);
     add_image_options(*command, *options);
-    command->callback([options] {
-        std::string specification = "truth:";
-        for (const auto& [name, value] : options->parameters) specification += name + "=" + value + ",";
-        specification.pop_back();
-        options->techniques = {specification};
-        run_render(read_render_options(*options));
-    });
+    add_long_run_options(*command, options->long_run);
+    command->add_option("--merge", options->merge, "put the shares of an image together, and do nothing else")
+        ->type_name("SHARE.exr...")
+        ->group("Long runs");
+    command->callback([options] { run(*options); });
 }
 
 } // namespace gnomon

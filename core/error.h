@@ -11,10 +11,12 @@ namespace gnomon {
 
 enum class ExitCode {
     Done = 0,
-    BoundCrossed = 1, // a --fail-above bound was crossed
-    Usage = 2,        // an unknown option, technique or parameter, a value out of range
-    Input = 3,        // a file that is missing, broken or cannot be written
-    Internal = 4,     // a failure of ours
+    BoundCrossed = 1,  // a --fail-above bound was crossed
+    Usage = 2,         // an unknown option, technique or parameter, a value out of range
+    Input = 3,         // a file that is missing, broken or cannot be written
+    Internal = 4,      // a failure of ours
+    Interrupted = 130, // by SIGINT, after what was done had been saved
+    Terminated = 143,  // likewise by SIGTERM
 };
 
 class Error : public std::runtime_error {

@@ -149,8 +149,8 @@ private:
         for (const Material& material : scene_.materials) {
             const vec3 c = material.base_color;
             json surface = {{"baseColorFactor", {exact(c.x), exact(c.y), exact(c.z), 1.0}},
-                            {"metallicFactor", 0.0},
-                            {"roughnessFactor", 1.0}};
+                            {"metallicFactor", exact(material.metallic)},
+                            {"roughnessFactor", exact(material.roughness)}};
             if (material.base_color_texture >= 0)
                 surface["baseColorTexture"] = {{"index", material.base_color_texture}};
             json entry = {{"name", material.name}, {"pbrMetallicRoughness", std::move(surface)}, {"doubleSided", true}};
@@ -243,8 +243,9 @@ private:
                 entry["spot"] = {{"innerConeAngle", exact(light.inner_cone)},
                                  {"outerConeAngle", exact(light.outer_cone)}};
             if (light.range < infinity && light.range > 0.0f) entry["range"] = exact(light.range);
-            json node = {{"name", light.name},
-                         {"matrix", frame(light.position, light.tangent, -bitangent(light), light.direction)}};
+            json node = {{"name", light.name}};
+            if (light.type != LightType::Mesh) // whose triangles lie in the world
+                node["matrix"] = frame(light.position, light.tangent, -bitangent(light), light.direction);
             node["extensions"]["KHR_lights_punctual"]["light"] = lights.size();
             if (is_area(light)) node["extras"]["area"] = area(light);
             lights.push_back(std::move(entry));
@@ -255,11 +256,17 @@ private:
     // What a reader that knows no area lights shows instead.
     static const char* punctual_type(LightType type) {
         if (type == LightType::Directional) return "directional";
-        return type == LightType::Point || type == LightType::Sphere ? "point" : "spot";
+        return type == LightType::Point || type == LightType::Sphere || type == LightType::Mesh ? "point" : "spot";
     }
 
     json area(const Light& light) {
         json entry = {{"shape", light_type_name(light.type)}};
+        if (light.type == LightType::Mesh) {
+            std::vector<vec3> corners;
+            for (const LightTriangle& t : light.triangles) corners.insert(corners.end(), {t.a, t.b, t.c});
+            entry["triangles"] = {{"count", light.triangles.size()}, {"accessor", add_vectors<vec3>(corners)}};
+            return entry;
+        }
         if (light.type == LightType::Disk || light.type == LightType::Sphere)
             entry["diameter"] = exact(light.size.x);
         else

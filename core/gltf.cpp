@@ -138,6 +138,10 @@ private:
             if (surface.baseColorFactor.size() >= 3)
                 material.base_color =
                     vec3(surface.baseColorFactor[0], surface.baseColorFactor[1], surface.baseColorFactor[2]);
+            if (surface.metallicRoughnessTexture.index < 0) { // a texture would vary them; without it all is diffuse
+                material.roughness = static_cast<float>(std::clamp(surface.roughnessFactor, 0.0, 1.0));
+                material.metallic = static_cast<float>(std::clamp(surface.metallicFactor, 0.0, 1.0));
+            }
             if (source.emissiveFactor.size() == 3)
                 material.emission =
                     vec3(dvec3(source.emissiveFactor[0], source.emissiveFactor[1], source.emissiveFactor[2]) *
@@ -276,12 +280,15 @@ private:
             return;
         }
         if (std::max({emission.x, emission.y, emission.z}) <= 0.0f) return;
-        if (std::optional<Light> light = quad_light(scene_, object)) {
+        if (node.has("extras") && node.at("extras").has("mesh_light") && node.at("extras").at("mesh_light").boolean()) {
+            add_mesh_light(scene_, object);
+        } else if (std::optional<Light> light = quad_light(scene_, object)) {
             object.light_source = true;
             light->name = name;
             add_light(std::move(*light));
         } else {
-            warn(fmt::format("'{}' is emissive but not a rectangle of two triangles, so it is seen but gives no light",
+            warn(fmt::format("'{}' is emissive but not a rectangle of two triangles, so it is seen but gives no light "
+                             "(extras.mesh_light of its node would make it one)",
                              name));
         }
     }

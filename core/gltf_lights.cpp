@@ -57,14 +57,23 @@ void read_area_texture(const GltfFile& file, const JsonReader& area, Light& ligh
     std::copy(values.begin(), values.end(), light.texture.data());
 }
 
+void read_area_triangles(const GltfFile& file, const JsonReader& area, Light& light) {
+    const JsonReader triangles = area.at("triangles");
+    const int count = triangles.at("count").integer(1, 1 << 28);
+    const auto accessor = static_cast<int>(triangles.at("accessor").index(file.model.accessors.size(), "accessors"));
+    set_triangles(light, read_vec3(file, accessor, size_t{3} * static_cast<size_t>(count), triangles.path()));
+    if (light.triangles.empty()) triangles.fail("have no area");
+}
+
 void read_area(const GltfFile& file, const JsonReader& area, Light& light) {
-    area.only({"shape", "size", "diameter", "texture"});
+    area.only({"shape", "size", "diameter", "texture", "triangles"});
     const std::string shape = area.at("shape").text();
     bool known = false;
     for (const LightType type :
-         {LightType::Rectangle, LightType::Disk, LightType::Sphere, LightType::TexturedRectangle})
+         {LightType::Rectangle, LightType::Disk, LightType::Sphere, LightType::TexturedRectangle, LightType::Mesh})
         if (shape == light_type_name(type)) light.type = type, known = true;
-    if (!known) area.at("shape").fail("must be 'rectangle', 'disk', 'sphere' or 'textured-rectangle'");
+    if (!known) area.at("shape").fail("must be 'rectangle', 'disk', 'sphere', 'textured-rectangle' or 'mesh'");
+    if (light.type == LightType::Mesh) return read_area_triangles(file, area, light);
     read_area_size(area, light);
     if (light.type == LightType::TexturedRectangle) read_area_texture(file, area, light);
 }

@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-bool is_area(LightType type) { return (bit(type) & area_lights) != 0; }
+bool is_area(LightType type) { return (bit(type) & punctual_lights) == 0; }
 
 const char* light_type_name(LightType type) {
     switch (type) {
@@ -25,13 +25,15 @@ const char* light_type_name(LightType type) {
         return "sphere";
     case LightType::TexturedRectangle:
         return "textured-rectangle";
+    case LightType::Mesh:
+        return "mesh";
     }
     return "";
 }
 
 std::vector<std::string> light_type_names(LightTypes types) {
     std::vector<std::string> names;
-    for (int i = 0; i <= static_cast<int>(LightType::TexturedRectangle); ++i)
+    for (int i = 0; i <= static_cast<int>(LightType::Mesh); ++i)
         if (const auto type = static_cast<LightType>(i); types & bit(type)) names.emplace_back(light_type_name(type));
     return names;
 }
@@ -51,6 +53,8 @@ float surface_area(const Light& light) {
         return square;
     case LightType::Sphere:
         return 4.0f * square;
+    case LightType::Mesh:
+        return light.triangles.empty() ? 0.0f : light.triangles.back().area_up_to;
     default:
         return 0.0f;
     }
@@ -119,38 +123,94 @@ inline void points_on(const Figure& figure, std::span<const float> u, std::span<
     }
 }
 
-// Cosine-weighted sum over light_point's 8×8 cells; each cell carries the same share of the light.
-constexpr int quadrature_side = 8;
+vec3 texel_at(const Image<vec3>& texture, float u, float v) {
+    const auto texel = [](float at, int count) {
+        return std::min(static_cast<int>(at * static_cast<float>(count)), count - 1);
+    };
+    return texture(texel(u, texture.width()), texel(v, texture.height()));
+}
+
+// The triangle of a mesh that u falls on, and where in it u lies: in [0, 1).
+const LightTriangle& triangle_at(const Light& light, float& u) {
+    const float area = u * light.triangles.back().area_up_to;
+    auto found = std::upper_bound(light.triangles.begin(), light.triangles.end(), area,
+                                  [](float value, const LightTriangle& t) { return value < t.area_up_to; });
+    if (found == light.triangles.end()) --found;
+    const float before = found == light.triangles.begin() ? 0.0f : (found - 1)->area_up_to;
+    u = std::clamp((area - before) / (found->area_up_to - before), 0.0f, 1.0f);
+    return *found;
+}
+
+vec3 point_on_mesh(const Light& light, float u, float v) {
+    const LightTriangle& t = triangle_at(light, u);
+    const float shift = 0.5f * std::min(u, v);
+    const float b = u > v ? u - shift : shift, c = u > v ? shift : v - shift;
+    return t.a + (t.b - t.a) * b + (t.c - t.a) * c;
+}
+
+// A light seen from one receiver: what its samples have in common. A sphere is the disk of light_point, which faces the
+// receiver and radiates as much towards it; from inside it sends nothing.
+struct Emitter {
+    const Light& light;
+    Figure figure;
+    LightSample common;
+};
+
+Emitter emitter_of(const Light& light, vec3 receiver) {
+    Emitter emitter{light, figure_of(light, receiver), {{}, light.direction, light.intensity, surface_area(light)}};
+    if (light.type != LightType::Sphere) return emitter;
+    const vec3 to_receiver = receiver - light.position;
+    const float radius2 = 0.25f * light.size.x * light.size.x, distance2 = glm::dot(to_receiver, to_receiver);
+    if (distance2 <= radius2) {
+        emitter.common.radiance = vec3(0.0f);
+        emitter.common.area = 0.0f;
+        return emitter;
+    }
+    emitter.common.facing = to_receiver / std::sqrt(distance2);
+    emitter.common.area = static_cast<float>(pi) * radius2 * (1.0f - radius2 / distance2);
+    return emitter;
+}
+
+LightSample sample_of(const Emitter& emitter, float u, float v) {
+    LightSample sample = emitter.common;
+    const Light& light = emitter.light;
+    if (light.type == LightType::Mesh) {
+        sample.position = point_on_mesh(light, u, v);
+        sample.facing = triangle_at(light, u).normal;
+        return sample;
+    }
+    sample.position = point_on(emitter.figure, emitter.figure.disk, u, v);
+    if (light.type == LightType::TexturedRectangle && !light.texture.empty())
+        sample.radiance *= texel_at(light.texture, u, v);
+    return sample;
+}
+
+// Cosine-weighted sum over light_point's 8×8 cells; each cell carries the same share of the light. A row of cells would
+// meet only eight places of a mesh, whose u goes through its triangles: there all 64 samples differ in u, and v steps
+// by the golden ratio.
+constexpr int quadrature_side = 8, quadrature_samples = quadrature_side * quadrature_side;
+
+vec2 quadrature_point(LightType type, int i) {
+    if (type != LightType::Mesh)
+        return (vec2(i % quadrature_side, i / quadrature_side) + 0.5f) / static_cast<float>(quadrature_side);
+    const float k = static_cast<float>(i) + 0.5f, turns = k * 0.618034f;
+    return {k / static_cast<float>(quadrature_samples), turns - std::floor(turns)};
+}
 
 vec3 area_irradiance(const Light& light, vec3 p, vec3 n) {
-    const bool sphere = light.type == LightType::Sphere;
-    const vec3 to_center = light.position - p;
-    const float distance2 = glm::dot(to_center, to_center);
-    const float radius = 0.5f * light.size.x;
-    if (sphere && distance2 <= radius * radius) return vec3(0.0f);
-    // A sphere seen from p is the disk of light_point, which faces p and radiates as much towards it.
-    const float limb2 = sphere ? radius * radius * (1.0f - radius * radius / distance2) : 0.0f;
-    const float area = sphere ? static_cast<float>(pi) * limb2 : surface_area(light);
-    const vec3 facing = sphere ? -to_center / std::sqrt(distance2) : light.direction;
+    const Emitter emitter = emitter_of(light, p);
     vec3 sum(0.0f);
-    for (int j = 0; j < quadrature_side; ++j)
-        for (int i = 0; i < quadrature_side; ++i) {
-            const float u = (static_cast<float>(i) + 0.5f) / quadrature_side;
-            const float v = (static_cast<float>(j) + 0.5f) / quadrature_side;
-            const vec3 d = light_point(light, u, v, p) - p;
-            const float d2 = glm::dot(d, d);
-            if (d2 <= 0.0f) continue;
-            const float at_receiver = glm::dot(n, d), at_light = -glm::dot(facing, d);
-            if (at_receiver <= 0.0f || at_light <= 0.0f) continue;
-            vec3 radiance = light.intensity;
-            if (light.type == LightType::TexturedRectangle && !light.texture.empty())
-                radiance *= light.texture(std::min(static_cast<int>(u * static_cast<float>(light.texture.width())),
-                                                   light.texture.width() - 1),
-                                          std::min(static_cast<int>(v * static_cast<float>(light.texture.height())),
-                                                   light.texture.height() - 1));
-            sum += radiance * (at_receiver * at_light / (d2 * d2));
-        }
-    return sum * (area / (quadrature_side * quadrature_side));
+    for (int i = 0; i < quadrature_samples; ++i) {
+        const vec2 uv = quadrature_point(light.type, i);
+        const LightSample sample = sample_of(emitter, uv.x, uv.y);
+        const vec3 d = sample.position - p;
+        const float d2 = glm::dot(d, d);
+        if (d2 <= 0.0f) continue;
+        const float at_receiver = glm::dot(n, d), at_light = -glm::dot(sample.facing, d);
+        if (at_receiver <= 0.0f || at_light <= 0.0f) continue;
+        sum += sample.radiance * (sample.area * at_receiver * at_light / (d2 * d2));
+    }
+    return sum / static_cast<float>(quadrature_samples);
 }
 
 float spot_factor(const Light& light, vec3 to_light) {
@@ -163,7 +223,29 @@ float spot_factor(const Light& light, vec3 to_light) {
 
 } // namespace
 
+void set_triangles(Light& light, std::span<const vec3> corners) {
+    light.triangles.clear();
+    double area = 0;
+    dvec3 center(0), normals(0);
+    for (size_t i = 0; i + 2 < corners.size(); i += 3) {
+        const dvec3 a(corners[i]), b(corners[i + 1]), c(corners[i + 2]);
+        const dvec3 normal = glm::cross(b - a, c - a) * 0.5;
+        const double own = glm::length(normal);
+        const auto up_to = static_cast<float>(area + own);
+        if (!(up_to > static_cast<float>(area))) continue;
+        area += own;
+        center += (a + b + c) / 3.0 * own;
+        normals += normal;
+        light.triangles.push_back({corners[i], corners[i + 1], corners[i + 2], vec3(normal / own), up_to});
+    }
+    if (area > 0) light.position = vec3(center / area);
+    const double length = glm::length(normals);
+    light.direction = length > 1e-6 * area ? vec3(normals / length) : vec3(0, -1, 0);
+    light.tangent = any_tangent(light.direction);
+}
+
 vec3 light_point(const Light& light, float u, float v, vec3 receiver) {
+    if (light.type == LightType::Mesh) return point_on_mesh(light, u, v);
     const Figure figure = figure_of(light, receiver);
     return point_on(figure, figure.disk, u, v);
 }
@@ -171,11 +253,22 @@ vec3 light_point(const Light& light, float u, float v, vec3 receiver) {
 GNOMON_VECTOR_CLONES
 void light_points(const Light& light, vec3 receiver, std::span<const float> u, std::span<const float> v,
                   std::span<float> x, std::span<float> y, std::span<float> z) {
+    if (light.type == LightType::Mesh) {
+        for (size_t i = 0; i < u.size(); ++i) {
+            const vec3 p = point_on_mesh(light, u[i], v[i]);
+            x[i] = p.x, y[i] = p.y, z[i] = p.z;
+        }
+        return;
+    }
     const Figure figure = figure_of(light, receiver);
     if (figure.disk)
         points_on<true>(figure, u, v, x.data(), y.data(), z.data());
     else
         points_on<false>(figure, u, v, x.data(), y.data(), z.data());
+}
+
+LightSample light_sample(const Light& light, float u, float v, vec3 receiver) {
+    return sample_of(emitter_of(light, receiver), u, v);
 }
 
 vec3 direction_to_light(const Light& light, vec3 p) {

@@ -46,6 +46,11 @@ void Progress::advance(std::int64_t steps) {
     draw(done);
 }
 
+void Progress::skip(std::int64_t steps) {
+    skipped_ += steps;
+    advance(steps);
+}
+
 void Progress::draw(std::int64_t done) {
     const std::lock_guard lock(drawing_);
     const double fraction = std::clamp(static_cast<double>(done) / static_cast<double>(total_), 0.0, 1.0);
@@ -53,8 +58,9 @@ void Progress::draw(std::int64_t done) {
     std::string line = fmt::format("\r{} {:3.0f} %", label_, 100.0 * fraction);
     if (fraction >= 1.0)
         line += fmt::format(", {}", duration_text(elapsed));
-    else if (fraction > 0.0)
-        line += fmt::format(", {} left", duration_text(elapsed * (1.0 - fraction) / fraction));
+    else if (const std::int64_t worked = done - skipped_; worked > 0)
+        line += fmt::format(", {} left",
+                            duration_text(elapsed * static_cast<double>(total_ - done) / static_cast<double>(worked)));
     line += "\x1b[K"; // clears what a longer line left behind
     std::fwrite(line.data(), 1, line.size(), stderr);
     std::fflush(stderr);

@@ -18,6 +18,8 @@ public:
     Progress& operator=(const Progress&) = delete;
 
     void advance(std::int64_t steps = 1); // from any thread
+    // Steps that cost nothing, because an earlier run did them: they count as done, not for how long the rest takes.
+    void skip(std::int64_t steps);
 
 private:
     void draw(std::int64_t done);
@@ -25,7 +27,7 @@ private:
     std::string label_;
     std::int64_t total_;
     bool enabled_;
-    std::atomic<std::int64_t> done_{0};
+    std::atomic<std::int64_t> done_{0}, skipped_{0};
     std::chrono::steady_clock::time_point start_;
     std::atomic<std::int64_t> next_draw_milliseconds_{0};
     std::mutex drawing_;

@@ -32,6 +32,8 @@ struct Material {
     vec3 base_color{0.8f};       // linear, diffuse albedo
     vec3 emission{0.0f};         // W/(m² sr), emissiveFactor × emissiveStrength
     int base_color_texture = -1; // index into Scene::textures, multiplies base_color
+    // Of glTF's metallic-roughness model, 0 to 1: for the truth's radiance with the GGX BRDF; all else is diffuse.
+    float roughness = 1.0f, metallic = 0.0f;
 };
 
 // A run of triangles that came from one node: what culling and static/dynamic splits work on.

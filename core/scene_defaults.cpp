@@ -57,8 +57,36 @@ void add_light_surface(Scene& scene, const Light& light) {
     scene.objects.back().light_source = true;
 }
 
+bool add_mesh_light(Scene& scene, Object& object) {
+    const vec3 emission = scene.materials[object.material].emission;
+    if (std::max({emission.x, emission.y, emission.z}) <= 0.0f) return false;
+    std::vector<vec3> corners;
+    corners.reserve(size_t{3} * object.triangle_count);
+    for (std::uint32_t t = 0; t < object.triangle_count; ++t)
+        for (int corner = 0; corner < 3; ++corner)
+            corners.push_back(scene.positions[scene.triangles[object.first_triangle + t][corner]]);
+    Light light;
+    light.type = LightType::Mesh;
+    light.intensity = emission;
+    set_triangles(light, corners);
+    if (light.triangles.empty()) return false;
+    light.name = unique_light_name(scene, object.name);
+    object.light_source = true;
+    scene.lights.push_back(std::move(light));
+    return true;
+}
+
 Light transformed(Light light, const dmat4& transform) {
     const glm::dmat3 linear(transform);
+    if (light.type == LightType::Mesh) {
+        const bool mirrored = glm::determinant(linear) < 0;
+        std::vector<vec3> corners;
+        for (const LightTriangle& t : light.triangles)
+            for (const vec3 corner : {t.a, mirrored ? t.c : t.b, mirrored ? t.b : t.c})
+                corners.emplace_back(transform * dvec4(dvec3(corner), 1.0));
+        set_triangles(light, corners);
+        return light;
+    }
     const dvec3 tangent = linear * dvec3(light.tangent), across = linear * dvec3(bitangent(light));
     const auto scaled = [](float size, dvec3 axis) {
         const double length = glm::length(axis);

@@ -185,11 +185,13 @@ private:
     }
 
     std::uint32_t add_material(const JsonReader& value, const std::string& name) {
-        value.only({"base_color", "emission"});
+        value.only({"base_color", "emission", "roughness", "metallic"});
         Material material;
         material.name = name;
         if (value.has("base_color")) material.base_color = color(value.at("base_color"), 1);
         if (value.has("emission")) material.emission = color(value.at("emission"), 1e9);
+        if (value.has("roughness")) material.roughness = value.at("roughness").real(0, 1);
+        if (value.has("metallic")) material.metallic = value.at("metallic").real(0, 1);
         scene_.materials.push_back(material);
         return static_cast<std::uint32_t>(scene_.materials.size() - 1);
     }
@@ -221,13 +223,15 @@ private:
         for (const Shape& shape : shapes()) {
             known.emplace_back(shape.name);
             if (wanted != shape.name) continue;
-            JsonReader::Keys keys = {"shape", "name", "material"};
+            JsonReader::Keys keys = {"shape", "name", "material", "light"};
             keys.insert(keys.end(), transform_keys.begin(), transform_keys.end());
             keys.insert(keys.end(), shape.keys.begin(), shape.keys.end());
             object.only(keys);
             const std::string name =
                 object.has("name") ? object.at("name").text() : wanted + "-" + std::to_string(index);
             add_object(scene_, name, shape.read(object), read_transform(object), material_of(object, name));
+            if (object.has("light") && object.at("light").boolean() && !add_mesh_light(scene_, scene_.objects.back()))
+                object.at("light").fail("needs a material with an 'emission' above 0");
             return;
         }
         object.at("shape").fail("is '" + wanted + "', which is no shape" + did_you_mean(wanted, known));

@@ -22,6 +22,8 @@ LightType read_type(const JsonReader& value) {
         if (wanted == light_type_name(type)) return type;
         known.emplace_back(light_type_name(type));
     }
+    if (wanted == light_type_name(LightType::Mesh))
+        value.fail("is 'mesh': give the object that shines \"light\": true instead");
     value.fail("is '" + wanted + "', which is no type of light" + did_you_mean(wanted, known));
 }
 

@@ -40,6 +40,10 @@ Camera transformed(Camera camera, const dmat4& transform);
 // Makes a rectangular light visible: appends its surface as a light_source object of the light's name and radiance.
 void add_light_surface(Scene& scene, const Light& light);
 
+// Makes an emissive object a light: its triangles, which cast no shadow from then on, under its name. False where its
+// material does not shine or no triangle has area.
+bool add_mesh_light(Scene& scene, Object& object);
+
 // `v` as a unit vector: as it is where that is already so to float precision, which keeps what was unit bit for bit.
 inline constexpr double unit_tolerance = 1e-6; // a few roundings of float vectors and their cross products
 vec3 unit(dvec3 v);

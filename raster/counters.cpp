@@ -14,6 +14,7 @@ void PassCounters::add(const PassCounters& other) {
     texels_fetched += other.texels_fetched;
     bytes_read += other.bytes_read;
     bytes_written += other.bytes_written;
+    rays += other.rays;
     seconds += other.seconds;
 }
 

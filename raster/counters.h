@@ -23,6 +23,7 @@ struct PassCounters {
     std::int64_t texels_fetched = 0;    // texels read by programs: 4 for a bilinear tap
     std::int64_t bytes_read = 0;        // of targets: depth and stencil tests, blending, texels
     std::int64_t bytes_written = 0;     // of targets, clears included
+    std::int64_t rays = 0;              // traced
     double seconds = 0;
 
     void add(const PassCounters& other); // all but name

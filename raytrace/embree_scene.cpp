@@ -1,6 +1,7 @@
 #include "raytrace/embree_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cassert>
 #include <cmath>
@@ -60,17 +61,59 @@ void intersect(RTCScene scene, QueryContext& context, RTCFilterFunctionN filter,
 }
 #endif
 
+// Not std::max: taking values instead of references lets loops vectorise.
+inline float larger(float a, float b) { return a > b ? a : b; }
+inline float largest_component(vec3 v) { return larger(larger(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
+
+// A receiver's position is a float32 point that was computed to lie on its triangle: it is off the triangle's plane by
+// a few units in the last place of the largest coordinate that took part (those of the point and of the triangle's
+// vertices), and Embree's distance to the plane is wrong by about as much again. 2⁻¹⁹ of that coordinate is 8 to 16
+// such units: enough for both, and 20 µm in a scene of 10 m. The receiver's own triangle is excluded as well, because
+// the plane of a sliver is known less well.
+constexpr float relative_step = 0x1p-19f;
+
 // Embree hands the context back to a filter, so what the filter needs to know follows it in memory.
 struct ShadowQuery {
     QueryContext context;
+    bool ends; // whether its rays have an end: lights at a distance
     std::uint32_t own_primitive;
+    std::array<dvec3, 3> own_corners;
+    const Scene* scene;
+    const std::vector<std::uint32_t>* members; // primitive to triangle; empty where they are the same
 };
 
-void reject_own_triangle(const RTCFilterFunctionNArguments* arguments) {
+// Whether the triangle cannot lie between the receiver's own one and the end of a ray, because both are on one side of
+// its plane: then the ray starts in that plane but for rounding, in a crease of a surface, and leaves it. A ray's end
+// within the rounding of its coordinates from the plane counts as on it.
+bool is_left_behind(const ShadowQuery& query, std::uint32_t primitive, dvec3 start, dvec3 way) {
+    const uvec3 corners = query.scene->triangles[query.members->empty() ? primitive : (*query.members)[primitive]];
+    const dvec3 a(query.scene->positions[corners.x]), b(query.scene->positions[corners.y]),
+        c(query.scene->positions[corners.z]);
+    const dvec3 normal = glm::cross(b - a, c - a);
+    const double length = glm::length(normal), at_end = glm::dot(normal, query.ends ? start + way - a : way);
+    const float magnitude = query.ends ? largest_component(vec3(start + way)) : 1.0f;
+    if (!(std::abs(at_end) > double(magnitude * relative_step) * length)) return false;
+    for (const dvec3 corner : query.own_corners) {
+        // Of corners that both triangles share, the distance is 0 but for the rounding of doubles.
+        constexpr double shared = 1e-12;
+        const dvec3 from = corner - a;
+        const double distance = at_end > 0 ? glm::dot(normal, from) : -glm::dot(normal, from);
+        if (distance < -shared * length * glm::length(from)) return false;
+    }
+    return true;
+}
+
+void reject_false_hits(const RTCFilterFunctionNArguments* arguments) {
     const auto* query = reinterpret_cast<const ShadowQuery*>(arguments->context);
-    for (unsigned i = 0; i < arguments->N; ++i)
-        if (arguments->valid[i] == -1 && RTCHitN_primID(arguments->hit, arguments->N, i) == query->own_primitive)
-            arguments->valid[i] = 0;
+    const unsigned count = arguments->N;
+    for (unsigned i = 0; i < count; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        const std::uint32_t primitive = RTCHitN_primID(arguments->hit, count, i);
+        RTCRayN* rays = arguments->ray;
+        const dvec3 start(RTCRayN_org_x(rays, count, i), RTCRayN_org_y(rays, count, i), RTCRayN_org_z(rays, count, i));
+        const dvec3 way(RTCRayN_dir_x(rays, count, i), RTCRayN_dir_y(rays, count, i), RTCRayN_dir_z(rays, count, i));
+        if (primitive == query->own_primitive || is_left_behind(*query, primitive, start, way)) arguments->valid[i] = 0;
+    }
 }
 
 struct CameraQuery {
@@ -94,10 +137,6 @@ void keep_lower_index(const RTCFilterFunctionNArguments* arguments) {
         }
     }
 }
-
-// Not std::max: taking values instead of references lets loops vectorise.
-inline float larger(float a, float b) { return a > b ? a : b; }
-inline float largest_component(vec3 v) { return larger(larger(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
 
 } // namespace
 
@@ -129,8 +168,11 @@ struct EmbreeScene::Implementation {
         ShadowQuery query;
     };
     Origin shadow_origin(const Receiver& receiver) const;
-    unsigned seen_mask(Origin& origin, const Receiver& receiver, const float* x, const float* y, const float* z,
-                       size_t count) const;
+    struct Mask {
+        unsigned seen, traced; // bit k: target k
+    };
+    Mask seen_mask(Origin& origin, const Receiver& receiver, const float* x, const float* y, const float* z,
+                   size_t count) const;
 };
 
 EmbreeScene::Implementation::Implementation(const Scene& s) : scene(s) {
@@ -219,22 +261,19 @@ RTCScene EmbreeScene::Implementation::build(const std::vector<std::uint32_t>& me
     return built;
 }
 
-// A receiver's position is a float32 point that was computed to lie on its triangle: it is off the triangle's plane by
-// a few units in the last place of the largest coordinate that took part (those of the point and of the triangle's
-// vertices), and Embree's distance to the plane is wrong by about as much again. 2⁻¹⁹ of that coordinate is 8 to 16
-// such units: enough for both, and 20 µm in a scene of 10 m. The receiver's own triangle is excluded as well, because
-// the plane of a sliver is known less well.
-constexpr float relative_step = 0x1p-19f;
-
 EmbreeScene::Implementation::Origin EmbreeScene::Implementation::shadow_origin(const Receiver& receiver) const {
     float magnitude = largest_component(receiver.position);
     const uvec3 corners = scene.triangles[receiver.triangle];
     for (int k = 0; k < 3; ++k) magnitude = larger(magnitude, largest_component(scene.positions[corners[k]]));
     Origin origin{};
+    origin.query.ends = true;
     origin.rounding = magnitude * relative_step;
     origin.position = receiver.position + receiver.geometric_normal * origin.rounding;
     start_query(origin.query.context);
     origin.query.own_primitive = primitive(receiver.triangle);
+    for (int k = 0; k < 3; ++k) origin.query.own_corners[static_cast<size_t>(k)] = dvec3(scene.positions[corners[k]]);
+    origin.query.scene = &scene;
+    origin.query.members = &caster_triangles;
     return origin;
 }
 
@@ -265,9 +304,10 @@ void aim(const Receiver& receiver, vec3 origin, float origin_rounding, const flo
     }
 }
 
-// Bit k is set where the receiver sees target k of up to 16.
-unsigned EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& receiver, const float* x,
-                                                const float* y, const float* z, size_t count) const {
+// For up to 16 targets.
+EmbreeScene::Implementation::Mask EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& receiver,
+                                                                         const float* x, const float* y, const float* z,
+                                                                         size_t count) const {
     RTCRay16 rays;
     alignas(64) int valid[packet_size];
     if (count == packet_size) {
@@ -282,10 +322,10 @@ unsigned EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& 
     }
     unsigned facing = 0, hidden = 0;
     for (unsigned k = 0; k < packet_size; ++k) facing |= (valid[k] ? 1u : 0u) << k;
-    if (facing == 0) return 0;
-    occluded(valid, casters, origin.query.context, reject_own_triangle, rays);
+    if (facing == 0) return {0, 0};
+    occluded(valid, casters, origin.query.context, reject_false_hits, rays);
     for (unsigned k = 0; k < packet_size; ++k) hidden |= (rays.tfar[k] < 0.0f ? 1u : 0u) << k;
-    return facing & ~hidden;
+    return {facing & ~hidden, facing};
 }
 
 EmbreeScene::EmbreeScene(const Scene& scene) : implementation_(std::make_unique<Implementation>(scene)) {}
@@ -327,32 +367,36 @@ void EmbreeScene::visible(const Receiver& receiver, std::span<const vec3> target
     float x[packet_size], y[packet_size], z[packet_size];
     for (size_t k = 0; k < targets.size(); ++k) x[k] = targets[k].x, y[k] = targets[k].y, z[k] = targets[k].z;
     auto origin = implementation_->shadow_origin(receiver);
-    const unsigned mask = implementation_->seen_mask(origin, receiver, x, y, z, targets.size());
+    const unsigned mask = implementation_->seen_mask(origin, receiver, x, y, z, targets.size()).seen;
     for (size_t k = 0; k < targets.size(); ++k) seen[k] = mask >> k & 1u;
 }
 
-size_t EmbreeScene::count_visible(const Receiver& receiver, std::span<const float> x, std::span<const float> y,
-                                  std::span<const float> z) const {
+EmbreeScene::SeenCount EmbreeScene::seen_samples(const Receiver& receiver, std::span<const float> x,
+                                                 std::span<const float> y, std::span<const float> z,
+                                                 std::span<std::uint16_t> seen) const {
     auto origin = implementation_->shadow_origin(receiver);
-    size_t seen = 0;
+    SeenCount answer;
     for (size_t first = 0; first < x.size(); first += packet_size) {
         const size_t count = std::min(packet_size, x.size() - first);
-        const unsigned mask = implementation_->seen_mask(origin, receiver, &x[first], &y[first], &z[first], count);
-        seen += static_cast<size_t>(__builtin_popcount(mask));
+        const auto mask = implementation_->seen_mask(origin, receiver, &x[first], &y[first], &z[first], count);
+        seen[first / packet_size] = static_cast<std::uint16_t>(mask.seen);
+        answer.seen += static_cast<size_t>(__builtin_popcount(mask.seen));
+        answer.rays += __builtin_popcount(mask.traced);
     }
-    return seen;
+    return answer;
 }
 
 bool EmbreeScene::visible_direction(const Receiver& receiver, vec3 unit_direction) const {
     if (!(glm::dot(receiver.geometric_normal, unit_direction) > 0.0f)) return false;
     auto origin = implementation_->shadow_origin(receiver);
+    origin.query.ends = false;
     RTCRay16 rays{};
     alignas(64) int valid[packet_size] = {-1};
     rays.org_x[0] = origin.position.x, rays.org_y[0] = origin.position.y, rays.org_z[0] = origin.position.z;
     rays.dir_x[0] = unit_direction.x, rays.dir_y[0] = unit_direction.y, rays.dir_z[0] = unit_direction.z;
     rays.tfar[0] = infinity;
     rays.mask[0] = 0xffffffffu;
-    occluded(valid, implementation_->casters, origin.query.context, reject_own_triangle, rays);
+    occluded(valid, implementation_->casters, origin.query.context, reject_false_hits, rays);
     return !(rays.tfar[0] < 0.0f);
 }
 

@@ -35,10 +35,14 @@ public:
     // The same for a direction with no end (directional lights).
     bool visible_direction(const Receiver& receiver, vec3 unit_direction) const;
 
-    // How many of any number of targets, given as three arrays of coordinates, the receiver sees: what `visible`
-    // answers, summed. Sixteen neighbours in the arrays share a packet, so targets that lie close together cost less.
-    std::size_t count_visible(const Receiver& receiver, std::span<const float> x, std::span<const float> y,
-                              std::span<const float> z) const;
+    // The same for any number of targets, given as three arrays of coordinates: target k is bit k % 16 of seen[k / 16].
+    // Sixteen neighbours in the arrays share a packet, so targets that lie close together cost less.
+    struct SeenCount {
+        std::size_t seen = 0;
+        std::int64_t rays = 0; // traced: those to targets above the horizon
+    };
+    SeenCount seen_samples(const Receiver& receiver, std::span<const float> x, std::span<const float> y,
+                           std::span<const float> z, std::span<std::uint16_t> seen) const;
 
     // Bytes that Embree holds.
     std::size_t memory_bytes() const;

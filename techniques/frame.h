@@ -13,6 +13,7 @@
 #include "raster/full_screen.h"
 #include "raster/target.h"
 #include "raytrace/embree_scene.h"
+#include "raytrace/truth.h"
 
 namespace gnomon {
 
@@ -63,8 +64,10 @@ public:
     double adjacency_seconds() const { return adjacency_seconds_; }
     double rays_seconds() const { return rays_seconds_; }
 
-    // Long techniques report to it, by rows of the image; null: no progress.
+    // Long techniques report to it, by pixels; null: no progress.
     Progress* progress = nullptr;
+    // Where and which part of its work the truth keeps; its progress is the one above.
+    TruthRun truth_run;
 
 private:
     const Scene& scene_;

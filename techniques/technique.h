@@ -26,6 +26,7 @@ struct Visibility {
     Image<float> values;
     std::optional<Image<vec3>> radiance; // W/(m² sr), only from techniques that integrate it themselves
     std::vector<NamedImage> debug;
+    std::vector<NamedImage> layers = {}; // of the frame's size, always written beside the answer: its error bar
 };
 
 // Lives for a sequence of frames; only progressive techniques keep anything between them.

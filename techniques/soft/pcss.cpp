@@ -115,14 +115,14 @@ private:
 } // namespace
 
 Entry pcss_entry() {
-    return make_entry<Pcss, PcssParams>(
-        {.id = "pcss",
-         .title = "percentage-closer soft shadows",
-         .family = "shadow map",
-         .kind = TechniqueKind::Soft,
-         .paper = "Fernando 2005; Macedo 2018, 2.17",
-         .lights = all_lights & ~bit(LightType::Directional) & ~bit(LightType::TexturedRectangle)},
-        pcss_fields);
+    return make_entry<Pcss, PcssParams>({.id = "pcss",
+                                         .title = "percentage-closer soft shadows",
+                                         .family = "shadow map",
+                                         .kind = TechniqueKind::Soft,
+                                         .paper = "Fernando 2005; Macedo 2018, 2.17",
+                                         .lights = all_lights & ~bit(LightType::Directional) &
+                                                   ~bit(LightType::TexturedRectangle) & ~bit(LightType::Mesh)},
+                                        pcss_fields);
 }
 
 } // namespace gnomon

@@ -15,8 +15,10 @@ public:
 
     Visibility shade(Frame& frame, const Light& light) override {
         const EmbreeScene& rays = frame.rays();
-        const Pass pass = frame.pass("shadow rays");
-        return {hard_visibility(rays, frame.receivers(), light), {}, {}};
+        Pass pass = frame.pass("shadow rays");
+        TruthAnswer answer = hard_truth(rays, frame.receivers(), light);
+        pass.counters().rays += answer.rays;
+        return {std::move(answer.visibility), {}, {}};
     }
 };
 

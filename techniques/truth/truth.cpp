@@ -1,5 +1,5 @@
-// The truth for area lights: the fraction of N points of the light that each receiver sees. [Macedo 2018, 2.28; Forest
-// 2008, 2.2]
+// The truth for area lights: the fraction of N points of the light that each receiver sees, and what light they send
+// it. [Macedo 2018, 2.28; Forest 2008, 2.2]
 
 #include "raytrace/truth.h"
 #include "techniques/all.h"
@@ -7,15 +7,27 @@
 namespace gnomon {
 namespace {
 
+enum class RadianceMode { Off, Lambert, Ggx };
+
 struct TruthParams {
     int samples = 1024;
     Pattern pattern = Pattern::Sobol;
     int seed = 0;
+    float target_error = 0;
+    RadianceMode radiance = RadianceMode::Off;
 };
 constexpr auto truth_fields =
     fields(field("samples", &TruthParams::samples, 1, 65536, "samples", "points of the light per receiver"),
            field("pattern", &TruthParams::pattern, pattern_choices, "where on the light the points lie"),
-           field("seed", &TruthParams::seed, 0, 1 << 30, "", "seed of the per-pixel scrambling"));
+           field("seed", &TruthParams::seed, 0, 1 << 30, "", "seed of the per-pixel scrambling"),
+           field("target-error", &TruthParams::target_error, 0, 1, "",
+                 "stop a pixel after 64, 256, 1024, ... samples once its error bar is not above this; 0: never"),
+           field("radiance", &TruthParams::radiance, "off|lambert|ggx",
+                 "integrate each sample's light with this BRDF, instead of unshadowed light times visibility"));
+
+vec3 to_viewer(const Camera& camera, vec3 position) {
+    return camera.orthographic ? -camera.forward : glm::normalize(camera.position - position);
+}
 
 class Truth : public Technique {
 public:
@@ -23,14 +35,37 @@ public:
 
     Visibility shade(Frame& frame, const Light& light) override {
         const EmbreeScene& rays = frame.rays();
-        const Pass pass = frame.pass("shadow rays");
-        return {area_visibility(rays, frame.receivers(), light, params_.pattern, params_.samples,
-                                static_cast<std::uint32_t>(params_.seed), frame.progress),
-                {},
-                {}};
+        Pass pass = frame.pass("shadow rays");
+        TruthRun run = frame.truth_run;
+        run.progress = frame.progress;
+        TruthAnswer answer = area_truth(rays, frame.receivers(), light, settings(frame), run);
+        pass.counters().rays += answer.rays;
+        Visibility visibility{std::move(answer.visibility), std::move(answer.radiance), {}};
+        visibility.layers.push_back({"error", std::move(answer.error)});
+        if (params_.target_error > 0) visibility.layers.push_back({"samples", std::move(answer.samples)});
+        return visibility;
     }
 
 private:
+    TruthSettings settings(const Frame& frame) const {
+        TruthSettings settings;
+        settings.samples = params_.samples;
+        settings.pattern = params_.pattern;
+        settings.seed = static_cast<std::uint32_t>(params_.seed);
+        settings.target_error = params_.target_error;
+        if (params_.radiance == RadianceMode::Off) return settings;
+        settings.brdf = params_.radiance == RadianceMode::Ggx ? Brdf::Ggx : Brdf::Lambert;
+        settings.surface = [&frame](int x, int y) {
+            const GBuffer& gbuffer = frame.gbuffer();
+            const Receiver& receiver = gbuffer.receivers(x, y);
+            const Material& material = frame.scene().material_of(receiver.triangle);
+            return Surface{
+                receiver.position,    gbuffer.shading_normal(x, y), to_viewer(frame.camera(), receiver.position),
+                gbuffer.albedo(x, y), material.roughness,           material.metallic};
+        };
+        return settings;
+    }
+
     TruthParams params_;
 };
 

@@ -93,7 +93,7 @@ TEST_CASE("Techniques and parameters that do not exist are named", "[cli]") {
                           {technique("truth:pattern=soboll"), usage, "did you mean 'sobol'?"},
                           {technique("raytraced:size=4"), usage, "no parameter 'size'"},
                           {{"truth", "--samples", "0", "-o", out}, usage, "between 1 and 65536"},
-                          {{"truth", "--pattern", "halton", "-o", out}, usage, "must be one of"},
+                          {{"truth", "--pattern", "hammersley", "-o", out}, usage, "must be one of"},
                       });
 }
 

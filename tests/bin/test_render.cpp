@@ -80,7 +80,7 @@ TEST_CASE("The EXR has the documented channels and attributes", "[cli]") {
     CHECK(text_attribute(image, "gnomon:scene") == "builtin:half-plane");
     CHECK(text_attribute(image, "gnomon:technique") == "truth");
     CHECK(json::parse(text_attribute(image, "gnomon:parameters")) ==
-          json({{"samples", 9}, {"pattern", "grid"}, {"seed", 0}}));
+          json({{"samples", 9}, {"pattern", "grid"}, {"seed", 0}, {"target-error", 0.0}, {"radiance", "off"}}));
     CHECK_FALSE(text_attribute(image, "gnomon:version").empty());
     CHECK(image.attributes.count("worldToCamera") == 1);
     CHECK(image.attributes.count("worldToNDC") == 1);
@@ -98,8 +98,9 @@ TEST_CASE("Statistics have the documented keys", "[cli]") {
         CHECK(stats["techniques"][0].contains(key));
     for (const char* key :
          {"name", "draws", "vertices", "triangles", "clipped", "culled", "fragments_covered", "fragments_passed",
-          "fragments_shaded", "texels_fetched", "bytes_read", "bytes_written", "seconds"})
+          "fragments_shaded", "texels_fetched", "bytes_read", "bytes_written", "rays", "seconds"})
         CHECK(stats["techniques"][0]["passes"][0].contains(key));
+    CHECK(stats["techniques"][0]["passes"][0]["rays"] > 0);
     CHECK(stats["image"]["width"] == 8);
 }
 

@@ -44,6 +44,13 @@ void check_same(const Light& a, const Light& b) {
         CHECK(same_bits(a.inner_cone, b.inner_cone));
         CHECK(same_bits(a.outer_cone, b.outer_cone));
     }
+    REQUIRE(a.triangles.size() == b.triangles.size());
+    for (size_t i = 0; i < a.triangles.size(); ++i) {
+        CHECK(same_bits(a.triangles[i].a, b.triangles[i].a));
+        CHECK(same_bits(a.triangles[i].b, b.triangles[i].b));
+        CHECK(same_bits(a.triangles[i].c, b.triangles[i].c));
+        CHECK(same_bits(a.triangles[i].area_up_to, b.triangles[i].area_up_to));
+    }
     REQUIRE(a.texture.size() == b.texture.size());
     for (size_t i = 0; i < a.texture.size(); ++i) CHECK(same_bits(a.texture.data()[i], b.texture.data()[i]));
 }
@@ -87,6 +94,8 @@ void check_same(const Scene& a, const Scene& b) {
         CHECK(m.name == n.name);
         CHECK(same_bits(m.base_color, n.base_color));
         CHECK(same_bits(m.emission, n.emission));
+        CHECK(same_bits(m.roughness, n.roughness));
+        CHECK(same_bits(m.metallic, n.metallic));
         CHECK(m.base_color_texture == n.base_color_texture);
     }
     REQUIRE(a.lights.size() == b.lights.size());
@@ -128,7 +137,7 @@ TEST_CASE("all lights, cameras, textures and awkward numbers survive export and 
         {"paint", Image<glm::u8vec4>(3, 2, {10, 20, 30, 40}), Texture::Wrap::Mirror, Texture::Wrap::Clamp});
     scene.textures[0].image(2, 1) = {255, 0, 1, 254};
     scene.materials.push_back({"plain \"quoted\" ü", {0.1f, 1.0f, 1e-7f}, vec3(0), -1});
-    scene.materials.push_back({"painted", vec3(0.3f), vec3(0), 0});
+    scene.materials.push_back({"painted", vec3(0.3f), vec3(0), 0, 0.123f, 0.7f});
     scene.materials.push_back({"glowing", vec3(0), {1e-3f, 123.456f, 7e5f}, -1});
     MeshData mesh = box_mesh({-0.0f, 0.1f, 1e-40f}, {1, 2, 3});
     for (const vec3& p : mesh.positions) mesh.uvs.emplace_back(p.x * 0.3f, p.y);
@@ -137,7 +146,7 @@ TEST_CASE("all lights, cameras, textures and awkward numbers survive export and 
     add_object(scene, "bare", plane_mesh({1, 1}), translation({0, -1, 0}), 0);
     int count = 0;
     for (const LightType type : {LightType::Point, LightType::Spot, LightType::Directional, LightType::Rectangle,
-                                 LightType::Disk, LightType::Sphere, LightType::TexturedRectangle}) {
+                                 LightType::Disk, LightType::Sphere, LightType::TexturedRectangle, LightType::Mesh}) {
         Light light;
         light.name = light_type_name(type);
         light.type = type;
@@ -145,13 +154,18 @@ TEST_CASE("all lights, cameras, textures and awkward numbers survive export and 
         light.direction = glm::normalize(vec3(0.3f, -1.0f, 0.1f * static_cast<float>(count)));
         light.tangent = any_tangent(light.direction);
         light.intensity = {1.1f, 1e-3f * static_cast<float>(count), 3e4f};
-        if (is_area(type)) light.size = vec2(0.7f, type == LightType::Disk || type == LightType::Sphere ? 0.7f : 1.3f);
+        if (is_area(type) && type != LightType::Mesh)
+            light.size = vec2(0.7f, type == LightType::Disk || type == LightType::Sphere ? 0.7f : 1.3f);
         if (type == LightType::Spot) light.inner_cone = 0.123f, light.outer_cone = 0.456f;
         if (type == LightType::Point) light.range = 12.3f;
         if (type == LightType::TexturedRectangle) {
             light.texture = Image<vec3>(2, 3, vec3(0.25f));
             light.texture(1, 2) = {1e-9f, 2.5f, 1e9f};
         }
+        if (type == LightType::Mesh)
+            set_triangles(light,
+                          std::vector<vec3>{
+                              {0.1f, 2, 3}, {1e-3f, 2.5f, 3}, {0.7f, 9, -1e4f}, {0, 0, 0}, {0, 1, 0}, {1, 1, 0.3f}});
         scene.lights.push_back(light);
     }
     scene.cameras.push_back(look_at({1, 2, 9}, {0.3f, 0.1f, 0}, 0.77f));

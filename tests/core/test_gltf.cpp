@@ -238,6 +238,25 @@ TEST_CASE("glTF: an emissive quad is a rectangle light, seen but not casting") {
         CHECK(std::any_of(ends.begin(), ends.end(), [&](vec3 end) { return near(end, corner, 1e-5f); }));
 }
 
+TEST_CASE("glTF: an emissive mesh whose node asks for it is a light") {
+    GltfBuilder builder = lamp({{-1, 0, 0}, {1, 0, 0}, {2, 3, 0}, {0, 3, 0}});
+    builder.document["nodes"][1]["extras"]["mesh_light"] = true;
+    builder.document["nodes"][1]["translation"] = {0, 0, 4};
+    builder.document["nodes"][1]["scale"] = {-1, 1, 1}; // mirrored: its front stays in front
+    const Scene scene = load(builder);
+    REQUIRE(scene.lights.size() == 1);
+    const Light& light = scene.lights[0];
+    CHECK(light.type == LightType::Mesh);
+    CHECK(light.name == "lamp");
+    CHECK(light.intensity == vec3(4, 2, 8));
+    CHECK(light.triangles.size() == 2);
+    CHECK(surface_area(light) == Approx(6));
+    CHECK(near(light.position, {-0.5f, 1.5f, 4}));
+    CHECK(near(light.direction, {0, 0, 1}));
+    CHECK(scene.objects[1].light_source);
+    CHECK(scene.warnings.empty());
+}
+
 TEST_CASE("glTF: an emissive mesh that is no rectangle is seen but gives no light") {
     for (const std::vector<vec3>& shape :
          std::vector<std::vector<vec3>>{{{-1, 0, 0}, {1, 0, 0}, {2, 3, 0}, {0, 3, 0}},      // a parallelogram

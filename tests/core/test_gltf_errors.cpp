@@ -204,7 +204,7 @@ TEST_CASE("broken lights in glTF name their place") {
     CHECK(error_of(with_light({{"type", "point"}, {"intensity", -1}}, nullptr)) ==
           "extensions.KHR_lights_punctual.lights[0].intensity must be a number between 0 and 1e+30");
     CHECK(error_of(with_light({{"type", "point"}}, {{"shape", "rectangel"}})) ==
-          "nodes[0].extras.area.shape must be 'rectangle', 'disk', 'sphere' or 'textured-rectangle'");
+          "nodes[0].extras.area.shape must be 'rectangle', 'disk', 'sphere', 'textured-rectangle' or 'mesh'");
     CHECK(error_of(with_light({{"type", "point"}}, {{"shape", "rectangle"}, {"sise", {1, 1}}})) ==
           "nodes[0].extras.area.sise is not a known key; did you mean 'size'?");
     CHECK(error_of(with_light({{"type", "point"}}, {{"shape", "disk"}, {"diameter", 0}})) ==

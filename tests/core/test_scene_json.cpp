@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/random.h"
 #include "core/scene.h"
 #include "tests/core/gltf_builder.h"
 #include "tests/support.h"
@@ -103,6 +104,36 @@ TEST_CASE("a scene document: lights of every type") {
     CHECK(near(scene.objects[0].bounds.minimum, {-1.5f, 5, -1}));
     CHECK(geometric_normal(scene, 0) == vec3(0, -1, 0));
     CHECK(scene.material_of(0).emission == vec3(4));
+}
+
+TEST_CASE("a scene document: an object that shines is a mesh light") {
+    const Scene scene = load(object(
+        R"({"shape": "sphere", "radius": 0.5, "translate": [0, 2, 0], "name": "globe", "light": true,
+            "material": {"emission": [4, 2, 1], "roughness": 0.25, "metallic": 0.5}}, {"shape": "plane"})"));
+    REQUIRE(scene.lights.size() == 1);
+    const Light& light = scene.lights[0];
+    CHECK(light.name == "globe");
+    CHECK(light.type == LightType::Mesh);
+    CHECK(light.intensity == vec3(4, 2, 1));
+    CHECK(near(light.position, {0, 2, 0}));
+    CHECK(light.triangles.size() == scene.objects[0].triangle_count);
+    CHECK(surface_area(light) == Approx(4 * pi * 0.25).epsilon(0.01));
+    for (const LightTriangle& t : light.triangles) CHECK(glm::dot(t.normal, t.a - light.position) > 0.0f);
+    CHECK(scene.objects[0].light_source);
+    CHECK_FALSE(scene.objects[1].light_source);
+    CHECK(scene.materials[0].roughness == 0.25f);
+    CHECK(scene.materials[0].metallic == 0.5f);
+    CHECK(error_of(object(R"({"shape": "box", "light": true})")) ==
+          "objects[0].light needs a material with an 'emission' above 0");
+    // Points lie on the triangles, as many on each as its share of the area: the lower half gets half of them, to 5
+    // standard deviations of 32.
+    int low = 0;
+    for (std::uint32_t i = 0; i < 4096; ++i) {
+        const vec3 p = light_point(light, to_unit(hash(i, 1)), to_unit(hash(i, 2)), vec3(0));
+        CHECK(std::abs(glm::length(p - light.position) - 0.5f) < 0.01f);
+        low += p.y < 2.0f;
+    }
+    CHECK(low == Approx(2048).margin(160));
 }
 
 TEST_CASE("a scene document: cameras") {

@@ -171,11 +171,16 @@ TEST_CASE("up to sixteen targets are answered one by one", "[raytrace]") {
         CHECK(sees(rays, receiver, target) == (target.y > 0 && target.x > 0));
         expected += target.y > 0 && target.x > 0;
     }
-    CHECK(rays.count_visible(receiver, x, y, z) == expected);
-    for (size_t count = 0; count <= 16; ++count) {
+    std::vector<std::uint16_t> bits(3, 0xffff);
+    const EmbreeScene::SeenCount count = rays.seen_samples(receiver, x, y, z, bits);
+    CHECK(count.seen == expected);
+    CHECK(count.rays == std::count_if(targets.begin(), targets.end(), [](vec3 target) { return target.y > 0; }));
+    for (size_t i = 0; i < 48; ++i)
+        CHECK((bits[i / 16] >> i % 16 & 1) == (i < targets.size() && targets[i].y > 0 && targets[i].x > 0));
+    for (size_t asked = 0; asked <= 16; ++asked) {
         std::vector<std::uint8_t> seen(16, 9);
-        rays.visible(receiver, {targets.data(), count}, seen);
-        for (size_t i = 0; i < 16; ++i) CHECK(int(seen[i]) == (i >= count ? 9 : targets[i].y > 0 && targets[i].x > 0));
+        rays.visible(receiver, {targets.data(), asked}, seen);
+        for (size_t i = 0; i < 16; ++i) CHECK(int(seen[i]) == (i >= asked ? 9 : targets[i].y > 0 && targets[i].x > 0));
     }
 }
 
