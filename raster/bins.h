@@ -1,7 +1,8 @@
 #pragma once
 // Which triangles touch which 64×64 tile. A chunk of triangles is sorted by tile over the rectangle of tiles that it
 // touches; triangles over very many tiles are kept aside, so that memory grows with the triangles and not with their
-// area: at most 64 entries of 2 bytes each.
+// area: at most 64 entries of 2 bytes each, and of 8 more while they are sorted. With the 88 bytes of a set-up triangle
+// a batch of 131072 unclipped triangles takes at most 180 MB, vectors doubling included, and mostly a tenth of that.
 
 #include <cstdint>
 #include <span>
