@@ -37,5 +37,6 @@ private:
 };
 
 void bench_raster(Bench& bench);
+void bench_truth(Bench& bench);
 
 } // namespace gnomon_bench

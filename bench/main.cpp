@@ -14,7 +14,7 @@ struct Group {
     const char* name;
     void (*run)(gnomon_bench::Bench&);
 };
-constexpr Group groups[] = {{"raster", gnomon_bench::bench_raster}};
+constexpr Group groups[] = {{"raster", gnomon_bench::bench_raster}, {"truth", gnomon_bench::bench_truth}};
 
 } // namespace
 

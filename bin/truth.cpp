@@ -16,6 +16,7 @@ struct TruthOptions : RenderOptions {
     ParameterText parameters;
     LongRunOptions long_run;
     std::vector<std::string> merge;
+    bool no_shortcuts = false;
 };
 
 void add_parameters(CLI::App& command, TruthOptions& options) {
@@ -36,6 +37,7 @@ void run(TruthOptions& options) {
         check_writable(options.output);
         return merge_shares(options.merge, options.output);
     }
+    if (options.no_shortcuts) options.parameters["shortcuts"] = "off";
     std::string specification = "truth:";
     for (const auto& [name, value] : options.parameters) specification += name + "=" + value + ",";
     specification.pop_back();
@@ -55,6 +57,7 @@ void add_truth_command(CLI::App& program) {
     const auto options = std::make_shared<TruthOptions>();
     CLI::App* command = program.add_subcommand("truth", "the ground truth: area-light visibility by ray tracing");
     add_parameters(*command, *options);
+    command->add_flag("--no-shortcuts", options->no_shortcuts, "the same as --shortcuts off");
     command->add_option("-o,--output", options->output, "image file")->type_name("TRUTH.exr")->required();
     add_scene_options(*command, *options);
     add_image_options(*command, *options);

@@ -15,3 +15,4 @@ endif()
 
 # The package's CMake file exports an include folder of OpenCV that need not exist; pkg-config does not.
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
+pkg_check_modules(polyclipping REQUIRED IMPORTED_TARGET polyclipping)

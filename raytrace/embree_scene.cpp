@@ -18,6 +18,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/vector_clones.h"
+#include "raytrace/false_hits.h"
 
 namespace gnomon {
 namespace {
@@ -61,17 +62,6 @@ void intersect(RTCScene scene, QueryContext& context, RTCFilterFunctionN filter,
 }
 #endif
 
-// Not std::max: taking values instead of references lets loops vectorise.
-inline float larger(float a, float b) { return a > b ? a : b; }
-inline float largest_component(vec3 v) { return larger(larger(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
-
-// A receiver's position is a float32 point that was computed to lie on its triangle: it is off the triangle's plane by
-// a few units in the last place of the largest coordinate that took part (those of the point and of the triangle's
-// vertices), and Embree's distance to the plane is wrong by about as much again. 2⁻¹⁹ of that coordinate is 8 to 16
-// such units: enough for both, and 20 µm in a scene of 10 m. The receiver's own triangle is excluded as well, because
-// the plane of a sliver is known less well.
-constexpr float relative_step = 0x1p-19f;
-
 // Embree hands the context back to a filter, so what the filter needs to know follows it in memory.
 struct ShadowQuery {
     QueryContext context;
@@ -80,39 +70,62 @@ struct ShadowQuery {
     std::array<dvec3, 3> own_corners;
     const Scene* scene;
     const std::vector<std::uint32_t>* members; // primitive to triangle; empty where they are the same
+    const float* steep;                        // per primitive, see steep_hit
+    float nearest;                             // see ShadowOrigin::rounding
+    std::uint32_t looked_at;                   // primitive of `triangle`: neighbouring packets meet it again
+    HitTriangle triangle;
 };
 
-// Whether the triangle cannot lie between the receiver's own one and the end of a ray, because both are on one side of
-// its plane: then the ray starts in that plane but for rounding, in a crease of a surface, and leaves it. A ray's end
-// within the rounding of its coordinates from the plane counts as on it.
-bool is_left_behind(const ShadowQuery& query, std::uint32_t primitive, dvec3 start, dvec3 way) {
+std::array<vec3, 3> corners_of(const ShadowQuery& query, std::uint32_t primitive) {
     const uvec3 corners = query.scene->triangles[query.members->empty() ? primitive : (*query.members)[primitive]];
-    const dvec3 a(query.scene->positions[corners.x]), b(query.scene->positions[corners.y]),
-        c(query.scene->positions[corners.z]);
-    const dvec3 normal = glm::cross(b - a, c - a);
-    const double length = glm::length(normal), at_end = glm::dot(normal, query.ends ? start + way - a : way);
-    const float magnitude = query.ends ? largest_component(vec3(start + way)) : 1.0f;
-    if (!(std::abs(at_end) > double(magnitude * relative_step) * length)) return false;
-    for (const dvec3 corner : query.own_corners) {
-        // Of corners that both triangles share, the distance is 0 but for the rounding of doubles.
-        constexpr double shared = 1e-12;
-        const dvec3 from = corner - a;
-        const double distance = at_end > 0 ? glm::dot(normal, from) : -glm::dot(normal, from);
-        if (distance < -shared * length * glm::length(from)) return false;
-    }
-    return true;
+    return {query.scene->positions[corners.x], query.scene->positions[corners.y], query.scene->positions[corners.z]};
 }
 
+// A hit is no false one where the ray meets the triangle steeply and starts well off its plane, which the hit itself
+// tells; the others are looked at one by one.
+inline bool is_doubtful(vec3 normal, vec3 way, float distance, float steep, float nearest) {
+    const float across = std::abs(normal.x * way.x + normal.y * way.y + normal.z * way.z);
+    const float away = nearest * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
+    return !((across > steep * largest_component(way)) & (distance * across > away));
+}
+
+GNOMON_VECTOR_CLONES
+void find_doubtful(const float* normals, const float* rays, size_t n, float steep, float nearest,
+                   int* __restrict doubtful) {
+    const float *way = rays + 4 * n, *distance = rays + 8 * n;
+    for (size_t i = 0; i < n; ++i)
+        doubtful[i] = is_doubtful({normals[i], normals[n + i], normals[2 * n + i]},
+                                  {way[i], way[n + i], way[2 * n + i]}, distance[i], steep, nearest)
+                          ? -1
+                          : 0;
+}
+
+// All lanes that Embree asks about have met the same triangle, or there is one lane.
 void reject_false_hits(const RTCFilterFunctionNArguments* arguments) {
-    const auto* query = reinterpret_cast<const ShadowQuery*>(arguments->context);
+    auto* query = reinterpret_cast<ShadowQuery*>(arguments->context);
     const unsigned count = arguments->N;
-    for (unsigned i = 0; i < count; ++i) {
-        if (arguments->valid[i] != -1) continue;
-        const std::uint32_t primitive = RTCHitN_primID(arguments->hit, count, i);
+    int* const valid = arguments->valid;
+    unsigned first = 0;
+    while (first + 1 < count && valid[first] != -1) ++first;
+    const std::uint32_t primitive = RTCHitN_primID(arguments->hit, count, first);
+    if (primitive == query->own_primitive) {
+        std::fill_n(valid, count, 0);
+        return;
+    }
+    int doubtful[packet_size];
+    const float steep = query->ends ? query->steep[primitive] : infinity;
+    find_doubtful(&RTCHitN_Ng_x(arguments->hit, count, 0), &RTCRayN_org_x(arguments->ray, count, 0), count, steep,
+                  query->nearest, doubtful);
+    for (unsigned i = first; i < count; ++i) {
+        if ((valid[i] & doubtful[i]) == 0) continue;
+        if (query->looked_at != primitive) {
+            query->looked_at = primitive;
+            query->triangle = hit_triangle(corners_of(*query, primitive), query->own_corners);
+        }
         RTCRayN* rays = arguments->ray;
-        const dvec3 start(RTCRayN_org_x(rays, count, i), RTCRayN_org_y(rays, count, i), RTCRayN_org_z(rays, count, i));
-        const dvec3 way(RTCRayN_dir_x(rays, count, i), RTCRayN_dir_y(rays, count, i), RTCRayN_dir_z(rays, count, i));
-        if (primitive == query->own_primitive || is_left_behind(*query, primitive, start, way)) arguments->valid[i] = 0;
+        const vec3 start(RTCRayN_org_x(rays, count, i), RTCRayN_org_y(rays, count, i), RTCRayN_org_z(rays, count, i));
+        const vec3 way(RTCRayN_dir_x(rays, count, i), RTCRayN_dir_y(rays, count, i), RTCRayN_dir_z(rays, count, i));
+        if (is_false_hit(query->triangle, start, way, query->ends)) valid[i] = 0;
     }
 }
 
@@ -140,6 +153,19 @@ void keep_lower_index(const RTCFilterFunctionNArguments* arguments) {
 
 } // namespace
 
+// A receiver's position is a float32 point that was computed to lie on its triangle: it is off the triangle's plane by
+// a few units in the last place of the largest coordinate that took part (those of the point and of the triangle's
+// vertices), and Embree's distance to the plane is wrong by about as much again. 2⁻¹⁹ of that coordinate is 8 to 16
+// such units: enough for both, and 20 µm in a scene of 10 m. The receiver's own triangle is excluded as well, because
+// the plane of a sliver is known less well.
+ShadowOrigin shadow_origin(const Scene& scene, const Receiver& receiver) {
+    float magnitude = largest_component(receiver.position);
+    const uvec3 corners = scene.triangles[receiver.triangle];
+    for (int k = 0; k < 3; ++k) magnitude = larger(magnitude, largest_component(scene.positions[corners[k]]));
+    const float rounding = magnitude * relative_step;
+    return {receiver.position + receiver.geometric_normal * rounding, rounding};
+}
+
 struct EmbreeScene::Implementation {
     const Scene& scene;
     RTCDevice device = nullptr;
@@ -148,6 +174,7 @@ struct EmbreeScene::Implementation {
     // Primitive of a scene to Scene::triangles; both empty where every triangle casts shadows and the numbers are the
     // same.
     std::vector<std::uint32_t> caster_triangles, light_source_triangles;
+    std::vector<float> steep;                // per caster: see steep_hit
     std::vector<std::uint32_t> primitive_of; // per triangle of the scene: its primitive in whichever of the two has it
     std::atomic<std::ptrdiff_t> bytes{0};
 
@@ -157,22 +184,18 @@ struct EmbreeScene::Implementation {
     void check(const char* what) const;
     void separate_light_sources();
     RTCScene build(const std::vector<std::uint32_t>& members);
+    void find_steep();
 
     std::uint32_t primitive(std::uint32_t triangle) const {
         return primitive_of.empty() ? triangle : primitive_of[triangle];
     }
 
-    struct Origin {
-        vec3 position;
-        float rounding; // metres that separate "touching" from "in front of" here
-        ShadowQuery query;
-    };
-    Origin shadow_origin(const Receiver& receiver) const;
+    ShadowQuery shadow_query(const Receiver& receiver, const ShadowOrigin& origin, bool ends) const;
     struct Mask {
         unsigned seen, traced; // bit k: target k
     };
-    Mask seen_mask(Origin& origin, const Receiver& receiver, const float* x, const float* y, const float* z,
-                   size_t count) const;
+    Mask seen_mask(const ShadowOrigin& origin, ShadowQuery& query, const Receiver& receiver, const float* x,
+                   const float* y, const float* z, size_t count) const;
 };
 
 EmbreeScene::Implementation::Implementation(const Scene& s) : scene(s) {
@@ -191,6 +214,7 @@ EmbreeScene::Implementation::Implementation(const Scene& s) : scene(s) {
     try {
         separate_light_sources();
         casters = build(caster_triangles);
+        find_steep();
         if (!light_source_triangles.empty()) light_sources = build(light_source_triangles);
     } catch (...) {
         release(); // no destructor runs after a constructor that throws
@@ -230,6 +254,16 @@ void EmbreeScene::Implementation::separate_light_sources() {
     }
 }
 
+void EmbreeScene::Implementation::find_steep() {
+    float magnitude = 0.0f;
+    for (const vec3& p : scene.positions) magnitude = larger(magnitude, largest_component(p));
+    steep.resize(primitive_of.empty() ? scene.triangles.size() : caster_triangles.size());
+    for (size_t i = 0; i < steep.size(); ++i) {
+        const uvec3 t = scene.triangles[primitive_of.empty() ? i : caster_triangles[i]];
+        steep[i] = steep_hit({scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]}, magnitude);
+    }
+}
+
 RTCScene EmbreeScene::Implementation::build(const std::vector<std::uint32_t>& members) {
     RTCScene built = rtcNewScene(device);
     rtcSetSceneFlags(built, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | filter_in_query));
@@ -261,20 +295,22 @@ RTCScene EmbreeScene::Implementation::build(const std::vector<std::uint32_t>& me
     return built;
 }
 
-EmbreeScene::Implementation::Origin EmbreeScene::Implementation::shadow_origin(const Receiver& receiver) const {
-    float magnitude = largest_component(receiver.position);
+ShadowQuery EmbreeScene::Implementation::shadow_query(const Receiver& receiver, const ShadowOrigin& origin,
+                                                      bool ends) const {
+    ShadowQuery query{{},
+                      ends,
+                      primitive(receiver.triangle),
+                      {},
+                      &scene,
+                      &caster_triangles,
+                      steep.data(),
+                      4 * origin.rounding,
+                      no_triangle,
+                      {}};
     const uvec3 corners = scene.triangles[receiver.triangle];
-    for (int k = 0; k < 3; ++k) magnitude = larger(magnitude, largest_component(scene.positions[corners[k]]));
-    Origin origin{};
-    origin.query.ends = true;
-    origin.rounding = magnitude * relative_step;
-    origin.position = receiver.position + receiver.geometric_normal * origin.rounding;
-    start_query(origin.query.context);
-    origin.query.own_primitive = primitive(receiver.triangle);
-    for (int k = 0; k < 3; ++k) origin.query.own_corners[static_cast<size_t>(k)] = dvec3(scene.positions[corners[k]]);
-    origin.query.scene = &scene;
-    origin.query.members = &caster_triangles;
-    return origin;
+    for (int k = 0; k < 3; ++k) query.own_corners[static_cast<size_t>(k)] = dvec3(scene.positions[corners[k]]);
+    start_query(query.context);
+    return query;
 }
 
 // Fills a packet with the ways from the origin to 16 targets; lanes are valid where the target is above the receiver's
@@ -305,8 +341,9 @@ void aim(const Receiver& receiver, vec3 origin, float origin_rounding, const flo
 }
 
 // For up to 16 targets.
-EmbreeScene::Implementation::Mask EmbreeScene::Implementation::seen_mask(Origin& origin, const Receiver& receiver,
-                                                                         const float* x, const float* y, const float* z,
+EmbreeScene::Implementation::Mask EmbreeScene::Implementation::seen_mask(const ShadowOrigin& origin, ShadowQuery& query,
+                                                                         const Receiver& receiver, const float* x,
+                                                                         const float* y, const float* z,
                                                                          size_t count) const {
     RTCRay16 rays;
     alignas(64) int valid[packet_size];
@@ -323,7 +360,7 @@ EmbreeScene::Implementation::Mask EmbreeScene::Implementation::seen_mask(Origin&
     unsigned facing = 0, hidden = 0;
     for (unsigned k = 0; k < packet_size; ++k) facing |= (valid[k] ? 1u : 0u) << k;
     if (facing == 0) return {0, 0};
-    occluded(valid, casters, origin.query.context, reject_false_hits, rays);
+    occluded(valid, casters, query.context, reject_false_hits, rays);
     for (unsigned k = 0; k < packet_size; ++k) hidden |= (rays.tfar[k] < 0.0f ? 1u : 0u) << k;
     return {facing & ~hidden, facing};
 }
@@ -366,19 +403,21 @@ void EmbreeScene::visible(const Receiver& receiver, std::span<const vec3> target
     if (targets.empty()) return;
     float x[packet_size], y[packet_size], z[packet_size];
     for (size_t k = 0; k < targets.size(); ++k) x[k] = targets[k].x, y[k] = targets[k].y, z[k] = targets[k].z;
-    auto origin = implementation_->shadow_origin(receiver);
-    const unsigned mask = implementation_->seen_mask(origin, receiver, x, y, z, targets.size()).seen;
+    const ShadowOrigin origin = gnomon::shadow_origin(implementation_->scene, receiver);
+    ShadowQuery query = implementation_->shadow_query(receiver, origin, true);
+    const unsigned mask = implementation_->seen_mask(origin, query, receiver, x, y, z, targets.size()).seen;
     for (size_t k = 0; k < targets.size(); ++k) seen[k] = mask >> k & 1u;
 }
 
 EmbreeScene::SeenCount EmbreeScene::seen_samples(const Receiver& receiver, std::span<const float> x,
                                                  std::span<const float> y, std::span<const float> z,
                                                  std::span<std::uint16_t> seen) const {
-    auto origin = implementation_->shadow_origin(receiver);
+    const ShadowOrigin origin = gnomon::shadow_origin(implementation_->scene, receiver);
+    ShadowQuery query = implementation_->shadow_query(receiver, origin, true);
     SeenCount answer;
     for (size_t first = 0; first < x.size(); first += packet_size) {
         const size_t count = std::min(packet_size, x.size() - first);
-        const auto mask = implementation_->seen_mask(origin, receiver, &x[first], &y[first], &z[first], count);
+        const auto mask = implementation_->seen_mask(origin, query, receiver, &x[first], &y[first], &z[first], count);
         seen[first / packet_size] = static_cast<std::uint16_t>(mask.seen);
         answer.seen += static_cast<size_t>(__builtin_popcount(mask.seen));
         answer.rays += __builtin_popcount(mask.traced);
@@ -388,16 +427,26 @@ EmbreeScene::SeenCount EmbreeScene::seen_samples(const Receiver& receiver, std::
 
 bool EmbreeScene::visible_direction(const Receiver& receiver, vec3 unit_direction) const {
     if (!(glm::dot(receiver.geometric_normal, unit_direction) > 0.0f)) return false;
-    auto origin = implementation_->shadow_origin(receiver);
-    origin.query.ends = false;
+    const ShadowOrigin origin = gnomon::shadow_origin(implementation_->scene, receiver);
+    ShadowQuery query = implementation_->shadow_query(receiver, origin, false);
     RTCRay16 rays{};
     alignas(64) int valid[packet_size] = {-1};
     rays.org_x[0] = origin.position.x, rays.org_y[0] = origin.position.y, rays.org_z[0] = origin.position.z;
     rays.dir_x[0] = unit_direction.x, rays.dir_y[0] = unit_direction.y, rays.dir_z[0] = unit_direction.z;
     rays.tfar[0] = infinity;
     rays.mask[0] = 0xffffffffu;
-    occluded(valid, implementation_->casters, origin.query.context, reject_false_hits, rays);
+    occluded(valid, implementation_->casters, query.context, reject_false_hits, rays);
     return !(rays.tfar[0] < 0.0f);
+}
+
+ShadowOrigin EmbreeScene::shadow_origin(const Receiver& receiver) const {
+    return gnomon::shadow_origin(implementation_->scene, receiver);
+}
+
+std::array<vec3, 3> EmbreeScene::corners(std::uint32_t triangle) const {
+    const Scene& scene = implementation_->scene;
+    const uvec3 t = scene.triangles[triangle];
+    return {scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
 }
 
 size_t EmbreeScene::memory_bytes() const {

@@ -3,6 +3,7 @@
 // traversal, high build quality. Answers whether a receiver sees a point, and what a camera ray meets first. Triangles
 // of objects that are light sources are seen by camera rays and never cast shadows.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,6 +13,14 @@
 #include "core/scene.h"
 
 namespace gnomon {
+
+// Where a receiver's shadow rays start.
+struct ShadowOrigin {
+    vec3 position;
+    float rounding; // metres that separate "touching" from "in front of" here
+};
+
+ShadowOrigin shadow_origin(const Scene& scene, const Receiver& receiver);
 
 class EmbreeScene {
 public:
@@ -43,6 +52,9 @@ public:
     };
     SeenCount seen_samples(const Receiver& receiver, std::span<const float> x, std::span<const float> y,
                            std::span<const float> z, std::span<std::uint16_t> seen) const;
+
+    ShadowOrigin shadow_origin(const Receiver& receiver) const;
+    std::array<vec3, 3> corners(std::uint32_t triangle) const; // of the scene
 
     // Bytes that Embree holds.
     std::size_t memory_bytes() const;

@@ -1,14 +1,17 @@
 #pragma once
 // Which of a light's sample points a receiver sees: the one question that visibility, radiance and error bars ask, and
 // the one place where a proof may stand in for rays. A proof ("all seen", "none seen", "only these triangles can be in
-// between") must give the very bits that the rays would.
+// between") gives the very bits that the rays would.
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "core/light.h"
 #include "core/receiver.h"
 #include "raytrace/embree_scene.h"
+#include "raytrace/shaft.h"
 
 namespace gnomon {
 
@@ -27,16 +30,41 @@ constexpr std::size_t seen_words(std::size_t samples) { return (samples + 15) / 
 // thread; whatever holds for the whole block is worked out once, in the constructor.
 class Occlusion {
 public:
-    Occlusion(const EmbreeScene& scene, const Light& light, std::span<const Receiver> block);
+    // Without `clusters`, which are those of the scene, every question is answered by rays. `samples` is the number of
+    // points that will be asked about: the more they are, the more effort a proof is worth.
+    Occlusion(const EmbreeScene& scene, const Light& light, std::span<const Receiver> block, std::size_t samples,
+              const TriangleClusters* clusters);
+
+    // What is certain for every point of the light, before any are chosen. A directional light or a punctual one has
+    // no such proofs.
+    enum class Proof : std::uint8_t { None, AllSeen, NoneSeen };
+    Proof prove(const Receiver& receiver);
 
     // Which of the points of the light `receiver`, one of the block, sees. A directional light has no points: it is
     // asked with one, whose coordinates do not matter. `seen` has seen_words(points.size()) words, all of which are
     // written. A proof saves rays, and the answer's count of them says so.
-    EmbreeScene::SeenCount seen(const Receiver& receiver, const SamplePoints& points, SeenBits seen) const;
+    EmbreeScene::SeenCount seen(const Receiver& receiver, const SamplePoints& points, SeenBits seen);
 
 private:
+    bool project(const TouchedBox& box, bool ranges);
+    void shade(const TouchedBox& box, PointBlock& block);
+    bool spend(std::size_t effort);
+    EmbreeScene::SeenCount seen_by_occluders(const Receiver& receiver, const SamplePoints& points, SeenBits seen);
+
     const EmbreeScene& scene_;
     const Light& light_;
+    const TriangleClusters* clusters_;
+    std::size_t samples_;
+    std::optional<ClusterList> nearby_; // of the block; nothing: no proofs here
+    // Of the receiver that was asked about last.
+    Receiver proven_;
+    Proof proof_ = Proof::None;
+    Pyramid pyramid_;
+    std::vector<TouchedBox> touched_;
+    std::size_t first_ = 0, end_ = 0; // of touched_: those that can be in between
+    bool known_ = false;              // nothing else can be
+    std::size_t effort_ = 0;          // what may still be spent on the receiver before rays are cheaper
+    OccluderGroup group_;
 };
 
 } // namespace gnomon

@@ -1,7 +1,9 @@
 #include "raytrace/truth.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -81,18 +83,21 @@ struct Job {
     std::atomic<std::int64_t> rays{0}; // a sum of integers: the same in any order
 
     void tile(size_t index);
-    std::int64_t settle(Scratch& scratch, const Occlusion& occlusion, int x, int y, SampleBits& bits);
-    std::int64_t trace(Scratch& scratch, const Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
+    std::int64_t settle(Scratch& scratch, Occlusion& occlusion, int x, int y, SampleBits& bits);
+    std::int64_t trace(Scratch& scratch, Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
                        SampleBits& bits, const PreparedPattern& samples);
     vec3 radiance(Scratch& scratch, const Surface& surface, std::uint32_t pixel, const SampleBits& bits,
                   const PreparedPattern& samples);
 };
 
-std::int64_t Job::trace(Scratch& scratch, const Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
+std::int64_t Job::trace(Scratch& scratch, Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
                         SampleBits& bits, const PreparedPattern& samples) {
     scratch.resize(samples.size());
-    fill_pattern(samples, pixel, settings.seed, scratch.u, scratch.v);
-    light_points(light, receiver.position, scratch.u, scratch.v, scratch.x, scratch.y, scratch.z);
+    // Where all points are alike it does not matter which they are.
+    if (occlusion.prove(receiver) == Occlusion::Proof::None) {
+        fill_pattern(samples, pixel, settings.seed, scratch.u, scratch.v);
+        light_points(light, receiver.position, scratch.u, scratch.v, scratch.x, scratch.y, scratch.z);
+    }
     const std::int64_t traced = occlusion.seen(receiver, {scratch.x, scratch.y, scratch.z}, scratch.seen).rays;
     bits.append(samples.index, scratch.seen);
     return traced;
@@ -108,7 +113,7 @@ vec3 Job::radiance(Scratch& scratch, const Surface& surface, std::uint32_t pixel
 
 // One pixel, from whatever samples it has to its answer; returns the rays traced. The answer is a function of the first
 // samples of the sequence alone, so it is the same whether they were traced now or earlier.
-std::int64_t Job::settle(Scratch& scratch, const Occlusion& occlusion, int x, int y, SampleBits& bits) {
+std::int64_t Job::settle(Scratch& scratch, Occlusion& occlusion, int x, int y, SampleBits& bits) {
     const Receiver& receiver = receivers(x, y);
     const auto pixel = static_cast<std::uint32_t>(y * receivers.width() + x);
     std::int64_t traced = 0;
@@ -129,6 +134,34 @@ std::int64_t Job::settle(Scratch& scratch, const Occlusion& occlusion, int x, in
     return traced;
 }
 
+// The blocks of a tile, made when first asked for.
+class Blocks {
+public:
+    Blocks(const Job& job, int left, int bottom, int right, int top)
+        : job_(job), left_(left), bottom_(bottom), right_(right), top_(top) {}
+
+    Occlusion& at(int x, int y) {
+        const int column = (x - left_) / block_side, row = (y - bottom_) / block_side;
+        std::optional<Occlusion>& block = blocks_[static_cast<size_t>(row * per_side + column)];
+        if (!block) {
+            const int left = left_ + column * block_side, bottom = bottom_ + row * block_side;
+            std::vector<Receiver> receivers;
+            for (int j = bottom; j < std::min(bottom + block_side, top_); ++j)
+                for (int i = left; i < std::min(left + block_side, right_); ++i)
+                    receivers.push_back(job_.receivers(i, j));
+            block.emplace(job_.scene, job_.light, receivers, static_cast<size_t>(job_.settings.samples),
+                          job_.run.clusters);
+        }
+        return *block;
+    }
+
+private:
+    static constexpr int block_side = 8, per_side = truth_tile_side / block_side;
+    const Job& job_;
+    int left_, bottom_, right_, top_;
+    std::array<std::optional<Occlusion>, per_side * per_side> blocks_;
+};
+
 void Job::tile(size_t index) {
     const size_t across = static_cast<size_t>(truth_tiles_across(receivers.width()));
     const int left = static_cast<int>(index % across) * truth_tile_side,
@@ -136,12 +169,11 @@ void Job::tile(size_t index) {
     const int right = std::min(left + truth_tile_side, receivers.width()),
               top = std::min(bottom + truth_tile_side, receivers.height());
     if (run.share.has(index)) {
-        std::vector<Receiver> block;
+        size_t pixels = 0;
         for (int y = bottom; y < top; ++y)
-            for (int x = left; x < right; ++x)
-                if (receivers(x, y).valid()) block.push_back(receivers(x, y));
-        const Occlusion occlusion(scene, light, block);
-        std::vector<SampleBits> bits(block.size());
+            for (int x = left; x < right; ++x) pixels += receivers(x, y).valid();
+        Blocks blocks(*this, left, bottom, right, top);
+        std::vector<SampleBits> bits(pixels);
         const bool known = run.state && run.state->load(run.light_index, index, bits);
         for (SampleBits& pixel_bits : bits) keep_stages(pixel_bits, stages.counts);
         bool more = !known;
@@ -152,7 +184,7 @@ void Job::tile(size_t index) {
             for (int x = left; x < right; ++x) {
                 if (!receivers(x, y).valid()) continue;
                 const std::uint32_t before = bits[i].samples();
-                traced += settle(scratch, occlusion, x, y, bits[i]);
+                traced += settle(scratch, blocks.at(x, y), x, y, bits[i]);
                 more |= bits[i++].samples() > before;
             }
         rays += traced;
@@ -195,13 +227,14 @@ TruthAnswer area_truth(const EmbreeScene& scene, const Receivers& receivers, con
 }
 
 Image<float> area_visibility(const EmbreeScene& scene, const Receivers& receivers, const Light& light, Pattern pattern,
-                             int samples, std::uint32_t seed, Progress* progress) {
+                             int samples, std::uint32_t seed, Progress* progress, const TriangleClusters* clusters) {
     TruthSettings settings;
     settings.pattern = pattern;
     settings.samples = samples;
     settings.seed = seed;
     TruthRun run;
     run.progress = progress;
+    run.clusters = clusters;
     return area_truth(scene, receivers, light, settings, run).visibility;
 }
 

@@ -17,6 +17,7 @@ namespace gnomon {
 
 class Progress;
 class TruthState;
+struct TriangleClusters;
 
 // The image is traced in squares of this many pixels, row by row from the bottom left: what runs are saved and split
 // by.
@@ -49,6 +50,7 @@ struct TruthRun {
     TruthState* state = nullptr;   // where finished tiles are kept
     std::uint32_t light_index = 0; // under which number
     TileShare share;
+    const TriangleClusters* clusters = nullptr; // of the scene: proofs answer where they can; otherwise rays alone do
 };
 
 // All images are of the receivers' size. Tiles of others' shares have visibility 1.
@@ -68,7 +70,8 @@ TruthAnswer area_truth(const EmbreeScene& scene, const Receivers& receivers, con
 
 // Its visibility alone.
 Image<float> area_visibility(const EmbreeScene& scene, const Receivers& receivers, const Light& light, Pattern pattern,
-                             int samples, std::uint32_t seed, Progress* progress);
+                             int samples, std::uint32_t seed, Progress* progress,
+                             const TriangleClusters* clusters = nullptr);
 
 // One ray from each receiver to the light's centre (or against its direction): 1 seen, 0 not.
 TruthAnswer hard_truth(const EmbreeScene& scene, const Receivers& receivers, const Light& light);

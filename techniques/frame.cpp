@@ -90,6 +90,15 @@ const EmbreeScene& Frame::rays() {
     return *rays_;
 }
 
+const TriangleClusters& Frame::clusters() {
+    if (!clusters_) {
+        const auto start = std::chrono::steady_clock::now();
+        clusters_ = std::make_unique<TriangleClusters>(build_clusters(scene_));
+        rays_seconds_ += seconds_since(start);
+    }
+    return *clusters_;
+}
+
 Image<vec3> ambient_and_emission(const GBuffer& gbuffer, vec3 ambient) {
     Image<vec3> radiance(gbuffer.albedo.width(), gbuffer.albedo.height(), vec3(0.0f));
     const vec3 scale = ambient / static_cast<float>(pi);

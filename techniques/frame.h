@@ -13,6 +13,7 @@
 #include "raster/full_screen.h"
 #include "raster/target.h"
 #include "raytrace/embree_scene.h"
+#include "raytrace/triangle_clusters.h"
 #include "raytrace/truth.h"
 
 namespace gnomon {
@@ -49,6 +50,7 @@ public:
     // Built on first use, then kept for all techniques of this frame.
     const Adjacency& adjacency();
     const EmbreeScene& rays();
+    const TriangleClusters& clusters();
 
     // A render target whose memory counts for the current technique.
     Target target(Format format, int width, int height, int layers = 1) {
@@ -79,6 +81,7 @@ private:
     PassLog gbuffer_log_, log_;
     std::unique_ptr<Adjacency> adjacency_;
     std::unique_ptr<EmbreeScene> rays_;
+    std::unique_ptr<TriangleClusters> clusters_;
     double adjacency_seconds_ = 0, rays_seconds_ = 0;
 };
 

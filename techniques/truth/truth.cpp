@@ -2,12 +2,16 @@
 // it. [Macedo 2018, 2.28; Forest 2008, 2.2]
 
 #include "raytrace/truth.h"
+#include "core/error.h"
+#include "raytrace/exact.h"
 #include "techniques/all.h"
 
 namespace gnomon {
 namespace {
 
 enum class RadianceMode { Off, Lambert, Ggx };
+enum class Method { Samples, Exact };
+enum class Shortcuts { On, Off };
 
 struct TruthParams {
     int samples = 1024;
@@ -15,6 +19,8 @@ struct TruthParams {
     int seed = 0;
     float target_error = 0;
     RadianceMode radiance = RadianceMode::Off;
+    Method method = Method::Samples;
+    Shortcuts shortcuts = Shortcuts::On;
 };
 constexpr auto truth_fields =
     fields(field("samples", &TruthParams::samples, 1, 65536, "samples", "points of the light per receiver"),
@@ -23,7 +29,11 @@ constexpr auto truth_fields =
            field("target-error", &TruthParams::target_error, 0, 1, "",
                  "stop a pixel after 64, 256, 1024, ... samples once its error bar is not above this; 0: never"),
            field("radiance", &TruthParams::radiance, "off|lambert|ggx",
-                 "integrate each sample's light with this BRDF, instead of unshadowed light times visibility"));
+                 "integrate each sample's light with this BRDF, instead of unshadowed light times visibility"),
+           field("method", &TruthParams::method, "samples|exact",
+                 "exact: the light's visible area by geometry, without samples; for area lights and small scenes"),
+           field("shortcuts", &TruthParams::shortcuts, "on|off",
+                 "off: trace every ray; on: the same bits, and proofs in place of rays where they are cheaper"));
 
 vec3 to_viewer(const Camera& camera, vec3 position) {
     return camera.orthographic ? -camera.forward : glm::normalize(camera.position - position);
@@ -34,10 +44,12 @@ public:
     explicit Truth(TruthParams params) : params_(params) {}
 
     Visibility shade(Frame& frame, const Light& light) override {
+        if (params_.method == Method::Exact && is_area(light)) return exact(frame, light);
         const EmbreeScene& rays = frame.rays();
         Pass pass = frame.pass("shadow rays");
         TruthRun run = frame.truth_run;
         run.progress = frame.progress;
+        if (params_.shortcuts == Shortcuts::On && is_area(light)) run.clusters = &frame.clusters();
         TruthAnswer answer = area_truth(rays, frame.receivers(), light, settings(frame), run);
         pass.counters().rays += answer.rays;
         Visibility visibility{std::move(answer.visibility), std::move(answer.radiance), {}};
@@ -47,6 +59,14 @@ public:
     }
 
 private:
+    Visibility exact(Frame& frame, const Light& light) const {
+        if (params_.radiance != RadianceMode::Off)
+            throw UsageError("truth: method exact gives visibility, not radiance: leave radiance off");
+        const TriangleClusters& clusters = frame.clusters();
+        const Pass pass = frame.pass("exact visibility");
+        return {exact_visibility(frame.scene(), clusters, frame.receivers(), light, frame.progress), {}, {}};
+    }
+
     TruthSettings settings(const Frame& frame) const {
         TruthSettings settings;
         settings.samples = params_.samples;

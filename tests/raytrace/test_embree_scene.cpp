@@ -121,6 +121,34 @@ TEST_CASE("geometry that touches the light point from behind does not hide it", 
     }
 }
 
+// All three edge functions of such triangles are rounding errors, and Embree takes their signs for what they are.
+TEST_CASE("triangles beside a ray do not hide its target when their plane holds the ray", "[raytrace]") {
+    std::uint32_t next = 0;
+    const auto number = [&] { return double(to_unit(hash(17u, next++))); };
+    int hidden = 0;
+    for (int scenes = 0; scenes < 200; ++scenes) {
+        const dvec3 along(1, 0, 0), across = glm::normalize(dvec3(0, 0.1 + number(), 0.1 + number()));
+        const dvec3 corner(number(), number(), number());
+        Scene scene;
+        add_floor(scene, -1, 1, -1, 1, -50);
+        // Two on either side of the ray: Embree's boxes hold both.
+        for (const double side : {-1.0, -1.0, 1.0, 1.0}) {
+            const double x = 4 + number();
+            std::vector<vec3> corners;
+            for (int k = 0; k < 3; ++k)
+                corners.push_back(vec3(corner + along * (x + number()) + across * side * (0.05 + 0.3 * number())));
+            add_polygon(scene, corners);
+        }
+        const EmbreeScene rays(scene);
+        for (int i = 0; i < 50; ++i) {
+            const vec3 start(corner - along + across * (0.02 * number() - 0.01));
+            const vec3 target(corner + along * 10.0 + across * (0.02 * number() - 0.01));
+            hidden += !sees(rays, {start, vec3(along), 0}, target);
+        }
+    }
+    CHECK(hidden == 0);
+}
+
 TEST_CASE("light sources are seen by camera rays and cast no shadow", "[raytrace]") {
     for (const bool light_source : {false, true}) {
         Scene scene;

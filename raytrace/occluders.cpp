@@ -1,0 +1,449 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raytrace/occluders.cpp" // this file is compiled once for each target
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
+#include <hwy/foreach_target.h>
+
+#include <hwy/highway.h>
+
+#include "raytrace/occluders.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gnomon::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Tag = hn::CappedTag<float, 16>;
+using Float = hn::Vec<Tag>;
+using Mask = hn::Mask<Tag>;
+constexpr Tag d;
+
+constexpr float u = 0x1p-24f;
+constexpr float unbounded = 1e30f;
+
+HWY_INLINE unsigned bits_of(Mask mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, mask, bytes);
+    return bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
+}
+
+struct Vector {
+    Float x, y, z;
+};
+HWY_INLINE Vector set(vec3 v) { return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)}; }
+HWY_INLINE Vector operator+(const Vector& a, const Vector& b) {
+    return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+HWY_INLINE Vector operator-(const Vector& a, const Vector& b) {
+    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE Vector operator*(Float s, const Vector& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
+HWY_INLINE Vector magnitudes(const Vector& a) { return {hn::Abs(a.x), hn::Abs(a.y), hn::Abs(a.z)}; }
+HWY_INLINE Float dot(const Vector& a, const Vector& b) {
+    return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+HWY_INLINE Vector cross(const Vector& a, const Vector& b) {
+    return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+            hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+// The same with all terms of one sign: what bounds the rounding of a cross product of `a` and `b` of magnitudes a, b.
+HWY_INLINE Vector cross_magnitudes(const Vector& a, const Vector& b) {
+    return {hn::MulAdd(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulAdd(a.z, b.x, hn::Mul(a.x, b.z)),
+            hn::MulAdd(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+
+// The range of s and t of what lies behind boxes: of their corners' images. Boxes that come near the plane of the apex
+// reach everything.
+HWY_INLINE void reach_of_boxes(const Pyramid& pyramid, const Float* low, const Float* high, Float* range) {
+    const auto terms = [&](vec3 factor, Vector& at_low, Vector& at_high) HWY_ATTR {
+        const Vector f = set(factor);
+        at_low = {hn::Mul(f.x, low[0]), hn::Mul(f.y, low[1]), hn::Mul(f.z, low[2])};
+        at_high = {hn::Mul(f.x, high[0]), hn::Mul(f.y, high[1]), hn::Mul(f.z, high[2])};
+    };
+    Vector height[2], a[2], b[2];
+    terms(pyramid.height, height[0], height[1]);
+    terms(pyramid.to_a, a[0], a[1]);
+    terms(pyramid.to_b, b[0], b[1]);
+    Float a_low = hn::Set(d, unbounded), b_low = a_low, a_high = hn::Neg(a_low), b_high = a_high, nearest = a_low;
+    for (int corner = 0; corner < 8; ++corner) {
+        const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+        const auto sum = [&](const Vector* v) HWY_ATTR { return hn::Add(hn::Add(v[x].x, v[y].y), v[z].z); };
+        const Float h = sum(height), inverse = hn::Div(hn::Set(d, 1.0f), h);
+        const Float at_a = hn::Mul(sum(a), inverse), at_b = hn::Mul(sum(b), inverse);
+        nearest = hn::Min(nearest, h);
+        a_low = hn::Min(a_low, at_a), a_high = hn::Max(a_high, at_a);
+        b_low = hn::Min(b_low, at_b), b_high = hn::Max(b_high, at_b);
+    }
+    // At heights above 2⁻⁸ what is rounded stays far below the growth of the boxes but for 2⁻¹² of the range.
+    const Mask known = hn::Gt(nearest, hn::Set(d, 0x1p-8f));
+    const Float center_a = hn::Set(d, pyramid.center_a), center_b = hn::Set(d, pyramid.center_b);
+    const auto grown = [&](Float value, Float other, Float center, float wrong) HWY_ATTR {
+        const Float size = hn::MulAdd(hn::Add(hn::Abs(value), hn::Abs(other)), hn::Set(d, 0x1p-12f), hn::Set(d, wrong));
+        return hn::Sub(hn::Add(value, hn::CopySign(size, hn::Sub(value, other))), center);
+    };
+    range[0] = hn::IfThenElse(known, grown(a_low, a_high, center_a, 2 * pyramid.wrong_a), hn::Set(d, -unbounded));
+    range[1] = hn::IfThenElse(known, grown(a_high, a_low, center_a, 2 * pyramid.wrong_a), hn::Set(d, unbounded));
+    range[2] = hn::IfThenElse(known, grown(b_low, b_high, center_b, 2 * pyramid.wrong_b), hn::Set(d, -unbounded));
+    range[3] = hn::IfThenElse(known, grown(b_high, b_low, center_b, 2 * pyramid.wrong_b), hn::Set(d, unbounded));
+}
+
+std::size_t touch(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBox* touched) {
+    std::size_t count = 0;
+    const Float origin[3] = {hn::Set(d, pyramid.origin.x), hn::Set(d, pyramid.origin.y), hn::Set(d, pyramid.origin.z)};
+    const Float growth = hn::Set(d, pyramid.growth);
+    for (std::size_t first = 0; first < boxes.count; first += hn::Lanes(d)) {
+        Float low[3], high[3];
+        for (int i = 0; i < 3; ++i) {
+            low[i] = hn::Sub(hn::Sub(hn::LoadU(d, boxes.minimum[i] + first), origin[i]), growth);
+            high[i] = hn::Add(hn::Sub(hn::LoadU(d, boxes.maximum[i] + first), origin[i]), growth);
+        }
+        Mask outside = hn::Lt(hn::Zero(d), hn::Zero(d));
+        for (int k = 0; k < Pyramid::planes; ++k) {
+            // The corner that lies farthest inside. Rounding: two u for the difference, three for the sum, one for the
+            // plane's own normal; 16 are allowed.
+            Float value = hn::Zero(d), magnitude = hn::Zero(d);
+            for (int i = 0; i < 3; ++i) {
+                const float n = pyramid.normal[k][i];
+                const Float term = hn::Mul(hn::Set(d, n), n > 0.0f ? low[i] : high[i]);
+                value = hn::Add(value, term);
+                magnitude = hn::Add(magnitude, hn::Abs(term));
+            }
+            const Float limit = hn::MulAdd(magnitude, hn::Set(d, 16 * u), hn::Set(d, pyramid.offset[k]));
+            outside = hn::Or(outside, hn::Gt(value, limit));
+        }
+        unsigned inside = ~bits_of(outside) & ((1u << hn::Lanes(d)) - 1u);
+        if (!inside) continue;
+        Float range[4];
+        reach_of_boxes(pyramid, low, high, range);
+        HWY_ALIGN float ranges[4][16];
+        for (int i = 0; i < 4; ++i) hn::Store(range[i], d, ranges[i]);
+        for (; inside; inside &= inside - 1) {
+            const auto i = static_cast<unsigned>(__builtin_ctz(inside));
+            touched[count++] = {static_cast<std::uint32_t>(first) + i, ranges[0][i], ranges[1][i], ranges[2][i],
+                                ranges[3][i]};
+        }
+    }
+    return count;
+}
+
+// What project() finds for some triangles of a cluster.
+struct Projection {
+    Vector edge[3];
+    Float margin, a[2], b[2];
+    Mask hides_nothing, hides_all, nearer;
+};
+
+// Pluecker's edge functions, computed by Embree as ((v₂ − v₀) × (v₂ + v₀))·d and so on, v relative to the origin. We
+// take the very same float differences and sums. The cross product is then off by at most 4 u of the sum of its terms'
+// magnitudes m (two rounded products, one difference), its product with d by another 3 u, and the tolerance that Embree
+// allows is 2 u of the three functions' sum, 6 u of the largest. Twice the former, for Embree and for us, and the
+// latter make 20 u·Σ m·|d|; 24 are allowed.
+HWY_INLINE void project_edges(const Pyramid& pyramid, const Vector* v, Projection& to) {
+    const Vector center = set(pyramid.center), axis_a = set(pyramid.axis_a), axis_b = set(pyramid.axis_b);
+    const Vector weight = hn::Set(d, 24 * u) * set(pyramid.reach) + set(pyramid.slack);
+    constexpr int from[3] = {0, 1, 2}, end[3] = {2, 0, 1};
+    to.margin = hn::Zero(d);
+    for (int k = 0; k < 3; ++k) {
+        const Vector difference = v[end[k]] - v[from[k]], sum = v[end[k]] + v[from[k]];
+        to.edge[k] = cross(difference, sum);
+        to.margin = hn::Max(to.margin, dot(cross_magnitudes(magnitudes(difference), magnitudes(sum)), weight));
+    }
+    Mask positive[3], negative[3];
+    for (int k = 0; k < 3; ++k) {
+        const Float middle = dot(to.edge[k], center);
+        const Float width = hn::Add(hn::Abs(dot(to.edge[k], axis_a)), hn::Abs(dot(to.edge[k], axis_b)));
+        positive[k] = hn::Gt(hn::Sub(middle, width), to.margin);
+        negative[k] = hn::Lt(hn::Add(middle, width), hn::Neg(to.margin));
+    }
+    to.hides_nothing = hn::And(hn::Or(hn::Or(positive[0], positive[1]), positive[2]),
+                               hn::Or(hn::Or(negative[0], negative[1]), negative[2]));
+    to.hides_all = hn::Or(hn::And(hn::And(positive[0], positive[1]), positive[2]),
+                          hn::And(hn::And(negative[0], negative[1]), negative[2]));
+}
+
+// Whether a corner of the receiver's own triangle is certainly on the apex's side of the plane: otherwise Embree's hit
+// may be rejected as left behind. The normal is here compared with that of the triangle as it is, whose corners differ
+// from the rounded v by u of them, so that its edges differ by 2 u of the corners' sum.
+HWY_INLINE Mask separates(const Pyramid& pyramid, const Vector* v, const Vector& e0, const Vector& e1,
+                          const Vector& normal, Float apex) {
+    const Vector size0 = magnitudes(e0), size1 = magnitudes(e1), start = magnitudes(v[0]);
+    const Vector moved = hn::Set(d, 2 * u) * (start + magnitudes(v[1]) + magnitudes(v[2]));
+    const Vector wrong = cross_magnitudes(moved, size1) + cross_magnitudes(size0, moved) +
+                         hn::Set(d, 16 * u) * cross_magnitudes(size0, size1) + hn::Set(d, 8 * u) * magnitudes(normal);
+    Mask found = hn::Lt(hn::Zero(d), hn::Zero(d));
+    for (const vec3& corner : pyramid.own) {
+        const Vector own = set(corner);
+        const Float side = dot(normal, v[0] - own); // of the sign of apex where it is on the apex's side
+        found = hn::Or(found, hn::Gt(hn::Mul(side, hn::CopySignToAbs(hn::Set(d, 1.0f), apex)),
+                                     dot(wrong, start + magnitudes(own))));
+    }
+    return found;
+}
+
+// The depth test: with n the triangle's normal, Embree takes t = (v₀·n) / (d·n) and asks for 0 ≤ t ≤ end. Both products
+// have the same n, so what is wrong with its length does not matter and the test is the sign of n·(end·d − v₀), known
+// where it is larger than: 16 u of n's terms times the vector (the difference between Embree's n and ours), 8 u of each
+// product's terms (products, sums, the division), and the slack.
+HWY_INLINE void project_depth(const Pyramid& pyramid, const Vector* v, Projection& to) {
+    const Vector e0 = v[2] - v[0], e1 = v[0] - v[1];
+    const Vector normal = cross(e0, e1), size = magnitudes(normal);
+    const Vector wrong = hn::Set(d, 16 * u) * cross_magnitudes(magnitudes(e0), magnitudes(e1));
+    const Vector center = set(pyramid.center), axis_a = set(pyramid.axis_a), axis_b = set(pyramid.axis_b);
+    const Vector spread = magnitudes(axis_a) + magnitudes(axis_b), start = magnitudes(v[0]);
+    const Float eight = hn::Set(d, 8 * u);
+
+    const Float apex = dot(normal, v[0]), distance = hn::Abs(apex);
+    const Mask apex_known = hn::Gt(distance, hn::MulAdd(eight, dot(size, start), dot(wrong, start)));
+    const Float width = hn::Add(hn::Abs(dot(normal, axis_a)), hn::Abs(dot(normal, axis_b)));
+    const Float terms = dot(size, start + magnitudes(center) + spread);
+    const Float slack = dot(size + wrong, set(pyramid.slack));
+    // Positive where the rays cross the plane before their end.
+    const auto beyond = [&](float end, Float& margin) HWY_ATTR {
+        const Vector way = hn::Set(d, end) * center - v[0];
+        margin = hn::Add(hn::MulAdd(eight, terms, slack), dot(wrong, magnitudes(way) + spread));
+        return hn::CopySignToAbs(hn::Set(d, 1.0f), apex) * way;
+    };
+    Float margin;
+    const Float farthest = hn::Add(dot(normal, beyond(pyramid.end_maximum, margin)), width);
+    const Mask misses = hn::And(apex_known, hn::Lt(farthest, hn::Neg(margin)));
+    const Float nearest = hn::Sub(dot(normal, beyond(pyramid.end_minimum, margin)), width);
+    to.nearer = hn::And(hn::And(apex_known, hn::Gt(nearest, margin)), separates(pyramid, v, e0, e1, normal, apex));
+    to.hides_nothing = hn::Or(to.hides_nothing, misses);
+    to.hides_all = hn::And(to.hides_all, to.nearer);
+}
+
+// The range of s and t outside which the edge functions certainly disagree. Outside the triangle's image by β, at least
+// one of the point's barycentric coordinates is below −β / (2·width of the image) and one is above 1/3; an edge
+// function is its coordinate times its value at the opposite corner, volume / height there. So β =
+// 2·width·margin·height / volume makes sure, as long as that quotient is below 1/3.
+HWY_INLINE void project_range(const Pyramid& pyramid, const Vector* v, Projection& to) {
+    const Vector height = set(pyramid.height), along[2] = {set(pyramid.to_a), set(pyramid.to_b)};
+    const Vector height_size = magnitudes(height), along_size[2] = {magnitudes(along[0]), magnitudes(along[1])};
+    const Float center[2] = {hn::Set(d, pyramid.center_a), hn::Set(d, pyramid.center_b)};
+    const float axis_wrong[2] = {pyramid.wrong_a, pyramid.wrong_b};
+    Float low[2], high[2], wrong[2];
+    for (int i = 0; i < 2; ++i)
+        low[i] = hn::Set(d, unbounded), high[i] = hn::Set(d, -unbounded), wrong[i] = hn::Set(d, axis_wrong[i]);
+    Float lowest = hn::Set(d, unbounded), highest = hn::Zero(d);
+    for (int k = 0; k < 3; ++k) {
+        const Float h = dot(v[k], height), inverse = hn::Div(hn::Set(d, 1.0f), h);
+        lowest = hn::Min(lowest, h), highest = hn::Max(highest, h);
+        const Float relative = hn::MulAdd(dot(magnitudes(v[k]), height_size), inverse, hn::Set(d, 1.0f));
+        for (int i = 0; i < 2; ++i) {
+            const Float at = hn::Sub(hn::Mul(dot(v[k], along[i]), inverse), center[i]);
+            // 4 u of the terms for the product, as much for h, and the quotient.
+            const Float off = hn::Mul(hn::Mul(dot(magnitudes(v[k]), along_size[i]), inverse), relative);
+            low[i] = hn::Min(low[i], at), high[i] = hn::Max(high[i], at);
+            wrong[i] = hn::Max(wrong[i], hn::MulAdd(off, hn::Set(d, 16 * u), hn::Set(d, 2 * axis_wrong[i])));
+        }
+    }
+    const Float volume = hn::Abs(dot(to.edge[0], v[1]));
+    const Float volume_wrong = hn::Mul(hn::Set(d, 16 * u), dot(magnitudes(to.edge[0]), magnitudes(v[1])));
+    const Float certain = hn::Sub(volume, hn::Add(volume_wrong, to.margin));
+    const Float quotient = hn::Div(hn::Mul(hn::Mul(hn::Set(d, 2.0f), to.margin), highest), certain);
+    const Mask known = hn::And(hn::And(hn::Gt(lowest, hn::Set(d, 0x1p-8f)), hn::Gt(certain, hn::Zero(d))),
+                               hn::Lt(quotient, hn::Set(d, 0.6f)));
+    Mask overlaps = hn::Le(hn::Zero(d), hn::Zero(d));
+    Float* range[2] = {to.a, to.b};
+    for (int i = 0; i < 2; ++i) {
+        const Float grow = hn::MulAdd(hn::Sub(high[i], low[i]), quotient, hn::Mul(wrong[i], hn::Set(d, 2.0f)));
+        range[i][0] = hn::IfThenElse(known, hn::Sub(low[i], grow), hn::Set(d, -unbounded));
+        range[i][1] = hn::IfThenElse(known, hn::Add(high[i], grow), hn::Set(d, unbounded));
+        overlaps = hn::And(overlaps, hn::And(hn::Le(range[i][0], hn::Set(d, 1.0f + axis_wrong[i])),
+                                             hn::Ge(range[i][1], hn::Set(d, -1.0f - axis_wrong[i]))));
+    }
+    to.hides_nothing = hn::Or(to.hides_nothing, hn::Not(overlaps));
+}
+
+HWY_INLINE void store(const Projection& from, bool ranges, std::size_t first, OccluderGroup& to) {
+    for (int k = 0; k < 3; ++k) {
+        hn::Store(from.edge[k].x, d, to.edge[k][0] + first);
+        hn::Store(from.edge[k].y, d, to.edge[k][1] + first);
+        hn::Store(from.edge[k].z, d, to.edge[k][2] + first);
+    }
+    hn::Store(from.margin, d, to.margin + first);
+    if (!ranges) return;
+    hn::Store(from.a[0], d, to.a_low + first);
+    hn::Store(from.a[1], d, to.a_high + first);
+    hn::Store(from.b[0], d, to.b_low + first);
+    hn::Store(from.b[1], d, to.b_high + first);
+}
+
+void project(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32_t own, bool ranges,
+             OccluderGroup& group) {
+    group.present = group.nearer = 0;
+    group.hides_all = false;
+    const Vector origin = set(pyramid.origin);
+    unsigned others = (1u << cluster.count) - 1u;
+    for (unsigned i = 0; i < cluster.count; ++i) others &= ~((cluster.triangle[i] == own ? 1u : 0u) << i);
+    for (std::size_t first = 0; first < cluster.count; first += hn::Lanes(d)) {
+        Vector v[3];
+        for (int k = 0; k < 3; ++k)
+            v[k] = Vector{hn::Load(d, cluster.corner[k][0] + first), hn::Load(d, cluster.corner[k][1] + first),
+                          hn::Load(d, cluster.corner[k][2] + first)} -
+                   origin;
+        const unsigned here = others >> first & ((1u << hn::Lanes(d)) - 1u);
+        Projection projection;
+        project_edges(pyramid, v, projection);
+        if (!(here & ~bits_of(projection.hides_nothing))) continue;
+        project_depth(pyramid, v, projection);
+        group.hides_all |= (here & bits_of(projection.hides_all)) != 0;
+        if (!(here & ~bits_of(projection.hides_nothing))) continue;
+        if (ranges) project_range(pyramid, v, projection);
+        group.present |= (here & ~bits_of(projection.hides_nothing)) << first;
+        group.nearer |= (here & bits_of(projection.nearer)) << first;
+        store(projection, ranges, first, group);
+    }
+}
+
+void aim(const Pyramid& pyramid, const float* x, const float* y, const float* z, std::size_t packets,
+         PointBlock& block) {
+    const Vector origin = set(pyramid.origin), along_a = set(pyramid.to_a), along_b = set(pyramid.to_b);
+    const Float center_a = hn::Set(d, pyramid.center_a), center_b = hn::Set(d, pyramid.center_b);
+    block.open = 0;
+    for (std::size_t packet = 0; packet < packets; ++packet) {
+        Float a_low = hn::Set(d, unbounded), b_low = a_low, a_high = hn::Neg(a_low), b_high = a_high;
+        for (std::size_t k = 16 * packet; k < 16 * packet + 16; k += hn::Lanes(d)) {
+            const Vector way = Vector{hn::LoadU(d, x + k), hn::LoadU(d, y + k), hn::LoadU(d, z + k)} - origin;
+            hn::Store(way.x, d, block.way[0] + k);
+            hn::Store(way.y, d, block.way[1] + k);
+            hn::Store(way.z, d, block.way[2] + k);
+            const Float a = hn::Sub(dot(way, along_a), center_a), b = hn::Sub(dot(way, along_b), center_b);
+            hn::Store(a, d, block.a + k);
+            hn::Store(b, d, block.b + k);
+            a_low = hn::Min(a_low, a), a_high = hn::Max(a_high, a);
+            b_low = hn::Min(b_low, b), b_high = hn::Max(b_high, b);
+        }
+        block.a_low[packet] = hn::GetLane(hn::MinOfLanes(d, a_low));
+        block.a_high[packet] = hn::GetLane(hn::MaxOfLanes(d, a_high));
+        block.b_low[packet] = hn::GetLane(hn::MinOfLanes(d, b_low));
+        block.b_high[packet] = hn::GetLane(hn::MaxOfLanes(d, b_high));
+        block.hidden[packet] = block.possible[packet] = 0;
+        block.open |= std::uint64_t{block.facing[packet] != 0} << packet;
+    }
+}
+
+// Bit k: the ranges meet those of packet k.
+HWY_INLINE std::uint64_t meeting(float a_low, float a_high, float b_low, float b_high, const PointBlock& block) {
+    std::uint64_t met = 0;
+    for (std::size_t k = 0; k < PointBlock::packets; k += hn::Lanes(d)) {
+        const Mask in_a = hn::And(hn::Le(hn::Load(d, block.a_low + k), hn::Set(d, a_high)),
+                                  hn::Ge(hn::Load(d, block.a_high + k), hn::Set(d, a_low)));
+        const Mask in_b = hn::And(hn::Le(hn::Load(d, block.b_low + k), hn::Set(d, b_high)),
+                                  hn::Ge(hn::Load(d, block.b_high + k), hn::Set(d, b_low)));
+        met |= std::uint64_t{bits_of(hn::And(in_a, in_b))} << k;
+    }
+    return met;
+}
+
+std::size_t reach(const TouchedBox& box, const PointBlock& block, ReachedPoints& reached) {
+    const std::uint64_t met = meeting(box.a_low, box.a_high, box.b_low, box.b_high, block) & block.open;
+    const Float a_low = hn::Set(d, box.a_low), a_high = hn::Set(d, box.a_high), b_low = hn::Set(d, box.b_low),
+                b_high = hn::Set(d, box.b_high);
+    std::size_t count = 0;
+    reached.packets = 0;
+    for (std::uint64_t rest = met; rest; rest &= rest - 1) {
+        const auto packet = static_cast<std::size_t>(__builtin_ctzll(rest));
+        unsigned within = 0;
+        for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+            const Float a = hn::Load(d, block.a + 16 * packet + i), b = hn::Load(d, block.b + 16 * packet + i);
+            const Mask in_a = hn::And(hn::Ge(a, a_low), hn::Le(a, a_high));
+            const Mask in_b = hn::And(hn::Ge(b, b_low), hn::Le(b, b_high));
+            within |= bits_of(hn::And(in_a, in_b)) << i;
+        }
+        within &= block.facing[packet] & ~static_cast<unsigned>(block.hidden[packet]);
+        if (!within) continue;
+        reached.packets |= std::uint64_t{1} << packet;
+        reached.points[packet] = static_cast<std::uint16_t>(within);
+        count += static_cast<std::size_t>(__builtin_popcount(within));
+    }
+    return count;
+}
+
+struct Verdict {
+    unsigned hidden, possible;
+};
+HWY_INLINE Verdict shade_packet(const Vector* edge, Float margin, std::size_t packet, const PointBlock& block) {
+    Verdict verdict{0, 0};
+    const Float minus_margin = hn::Neg(margin);
+    for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+        const std::size_t k = 16 * packet + i;
+        const Vector way{hn::Load(d, block.way[0] + k), hn::Load(d, block.way[1] + k), hn::Load(d, block.way[2] + k)};
+        const Float v0 = dot(edge[0], way), v1 = dot(edge[1], way), v2 = dot(edge[2], way);
+        const Float low = hn::Min(hn::Min(v0, v1), v2), high = hn::Max(hn::Max(v0, v1), v2);
+        const Mask hit = hn::Or(hn::Gt(low, margin), hn::Lt(high, minus_margin));
+        const Mask maybe = hn::Or(hn::Ge(low, minus_margin), hn::Le(high, margin));
+        verdict.hidden |= bits_of(hit) << i;
+        verdict.possible |= bits_of(maybe) << i;
+    }
+    return verdict;
+}
+
+void shade_triangles(const OccluderGroup& group, const ReachedPoints& reached, PointBlock& block) {
+    for (unsigned rest = group.present; rest; rest &= rest - 1) {
+        const auto i = static_cast<unsigned>(__builtin_ctz(rest));
+        std::uint64_t met = meeting(group.a_low[i], group.a_high[i], group.b_low[i], group.b_high[i], block);
+        met &= reached.packets & block.open;
+        if (!met) continue;
+        Vector edge[3];
+        for (int k = 0; k < 3; ++k) edge[k] = set({group.edge[k][0][i], group.edge[k][1][i], group.edge[k][2][i]});
+        const Float margin = hn::Set(d, group.margin[i]);
+        const bool nearer = group.nearer >> i & 1u;
+        for (; met; met &= met - 1) {
+            const auto k = static_cast<std::size_t>(__builtin_ctzll(met));
+            const Verdict verdict = shade_packet(edge, margin, k, block);
+            block.possible[k] = static_cast<std::uint16_t>(block.possible[k] | verdict.possible);
+            if (nearer) block.hidden[k] = static_cast<std::uint16_t>(block.hidden[k] | verdict.hidden);
+            if (!(block.facing[k] & ~block.hidden[k])) block.open &= ~(std::uint64_t{1} << k);
+        }
+    }
+}
+
+void shade_points(const OccluderGroup& group, const ReachedPoints& reached, PointBlock& block) {
+    for (std::uint64_t packets = reached.packets; packets; packets &= packets - 1) {
+        const auto packet = static_cast<std::size_t>(__builtin_ctzll(packets));
+        unsigned hidden = 0, possible = 0;
+        for (unsigned rest = reached.points[packet]; rest; rest &= rest - 1) {
+            const auto i = static_cast<std::size_t>(__builtin_ctz(rest));
+            const std::size_t k = 16 * packet + i;
+            const Vector way = set({block.way[0][k], block.way[1][k], block.way[2][k]});
+            unsigned hit = 0, maybe = 0;
+            for (std::size_t t = 0; t < cluster_size; t += hn::Lanes(d)) {
+                const Float margin = hn::Load(d, group.margin + t), minus_margin = hn::Neg(margin);
+                Float value[3];
+                for (int e = 0; e < 3; ++e)
+                    value[e] = dot({hn::Load(d, group.edge[e][0] + t), hn::Load(d, group.edge[e][1] + t),
+                                    hn::Load(d, group.edge[e][2] + t)},
+                                   way);
+                const Float low = hn::Min(hn::Min(value[0], value[1]), value[2]);
+                const Float high = hn::Max(hn::Max(value[0], value[1]), value[2]);
+                hit |= bits_of(hn::Or(hn::Gt(low, margin), hn::Lt(high, minus_margin))) << t;
+                maybe |= bits_of(hn::Or(hn::Ge(low, minus_margin), hn::Le(high, margin))) << t;
+            }
+            hidden |= ((hit & group.present & group.nearer) != 0 ? 1u : 0u) << i;
+            possible |= ((maybe & group.present) != 0 ? 1u : 0u) << i;
+        }
+        block.possible[packet] = static_cast<std::uint16_t>(block.possible[packet] | possible);
+        block.hidden[packet] = static_cast<std::uint16_t>(block.hidden[packet] | hidden);
+        if (!(block.facing[packet] & ~block.hidden[packet])) block.open &= ~(std::uint64_t{1} << packet);
+    }
+}
+
+const OccluderKernels* table() {
+    static constexpr OccluderKernels functions{touch, project, aim, reach, shade_triangles, shade_points};
+    return &functions;
+}
+
+} // namespace gnomon::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace gnomon {
+
+HWY_EXPORT(table);
+
+const OccluderKernels& occluder_kernels() {
+    static const OccluderKernels* const chosen = HWY_DYNAMIC_DISPATCH(table)();
+    return *chosen;
+}
+
+} // namespace gnomon
+#endif

@@ -1,0 +1,35 @@
+#pragma once
+// The space between a box of shadow ray origins and the box of an area light [Haines and Wallace 1994, "Shaft Culling
+// for Efficient Ray-Traced Radiosity", section 3]: what lies outside is in nobody's way.
+
+#include <optional>
+#include <vector>
+
+#include "raytrace/occluders.h"
+
+namespace gnomon {
+
+struct Shaft {
+    Bounds hull; // of both boxes
+    // A point p inside has normal·p ≤ offset for each.
+    struct Plane {
+        dvec3 normal;
+        double offset;
+    };
+    std::vector<Plane> planes; // at most twelve
+};
+
+// Keeps proof_growth away from both boxes.
+Shaft shaft_between(const Bounds& origins, const Bounds& light);
+
+// Clusters of triangles that a shaft touches, with their boxes, grown and padded for OccluderKernels::touch.
+struct ClusterList {
+    std::vector<std::uint32_t> clusters;
+    std::vector<float> minimum[3], maximum[3];
+    BoxArrays boxes() const;
+};
+
+// Nothing where the shaft touches more than `most` clusters.
+std::optional<ClusterList> clusters_in(const Shaft& shaft, const TriangleClusters& all, std::size_t most);
+
+} // namespace gnomon

@@ -1,0 +1,38 @@
+#pragma once
+// The shadow casters of a scene in a shape that proofs about whole bundles of rays like: clusters of up to sixteen
+// neighbouring triangles, corner by corner in arrays, under a binary tree of boxes.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/scene.h"
+
+namespace gnomon {
+
+inline constexpr std::size_t cluster_size = 16;
+
+struct alignas(64) TriangleCluster {
+    float corner[3][3][cluster_size];                 // [corner][axis][triangle]; unused places repeat the first
+    std::array<std::uint32_t, cluster_size> triangle; // index into Scene::triangles
+    std::uint32_t count = 0;
+};
+
+struct TriangleClusters {
+    struct Node {
+        Bounds box; // of the triangles below, exactly
+        // A leaf is one cluster: number `first`. Otherwise the children are nodes `first` and `first` + 1.
+        std::uint32_t first = 0;
+        bool leaf = false;
+    };
+    std::vector<Node> nodes; // the root comes first; empty where nothing casts shadows
+    std::vector<TriangleCluster> clusters;
+
+    std::size_t memory_bytes() const { return nodes.size() * sizeof(Node) + clusters.size() * sizeof(TriangleCluster); }
+};
+
+// Triangles of light sources are left out, as they are from EmbreeScene's casters. Throws Error where memory does not
+// suffice.
+TriangleClusters build_clusters(const Scene& scene);
+
+} // namespace gnomon
