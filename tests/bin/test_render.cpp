@@ -79,8 +79,13 @@ TEST_CASE("The EXR has the documented channels and attributes", "[cli]") {
         CHECK(image.find(name));
     CHECK(text_attribute(image, "gnomon:scene") == "builtin:half-plane");
     CHECK(text_attribute(image, "gnomon:technique") == "truth");
-    CHECK(json::parse(text_attribute(image, "gnomon:parameters")) ==
-          json({{"samples", 9}, {"pattern", "grid"}, {"seed", 0}, {"target-error", 0.0}, {"radiance", "off"}}));
+    CHECK(json::parse(text_attribute(image, "gnomon:parameters")) == json({{"samples", 9},
+                                                                           {"pattern", "grid"},
+                                                                           {"seed", 0},
+                                                                           {"target-error", 0.0},
+                                                                           {"radiance", "off"},
+                                                                           {"method", "samples"},
+                                                                           {"shortcuts", "on"}}));
     CHECK_FALSE(text_attribute(image, "gnomon:version").empty());
     CHECK(image.attributes.count("worldToCamera") == 1);
     CHECK(image.attributes.count("worldToNDC") == 1);
