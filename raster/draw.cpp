@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 
 #include <emmintrin.h>
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/image.h"
 #include "raster/bins.h"
 #include "raster/fast_tile.h"
 #include "raster/setup_kernels.h"
@@ -58,6 +60,11 @@ SetupState setup_state(const Draw& draw, const PipelineState& state, const Targe
     const Rectangle whole = {0, 0, size.x, size.y};
     SetupState setup;
     setup.viewport = state.viewport.value_or(whole);
+    const Rectangle& v = setup.viewport;
+    if (v.width < 0 || v.height < 0 || std::max(v.width, v.height) > max_image_side ||
+        std::max(std::abs(v.x), std::abs(v.y)) > max_image_side)
+        throw UsageError(fmt::format("a viewport of {}x{} at ({}, {}) is not possible; sides and offsets go up to {}",
+                                     v.width, v.height, v.x, v.y, max_image_side));
     setup.drawable = intersect(whole, setup.viewport);
     if (state.scissor) setup.drawable = intersect(setup.drawable, *state.scissor);
     setup.cull = state.cull;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <random>
 
+#include "core/error.h"
 #include "raster/draw.h"
 
 using namespace gnomon;
@@ -206,4 +207,19 @@ TEST_CASE("load operations are clears of one layer and level", "[bits]") {
     CHECK((inside > 0) == !empty);
     const std::int64_t texels = std::int64_t{color.width(1)} * color.height(1);
     CHECK(pass.counters().bytes_written - pass.counters().fragments_passed * (4 + 8) == texels * (4 + 1 + 8));
+}
+
+TEST_CASE("a viewport beyond the largest target is refused") {
+    PassLog log;
+    Pass pass(log, "pass");
+    Target depth(Format::D32F, 8, 8);
+    const RandomScene scene(1, 1);
+    PipelineState state;
+    const auto vertex = [&](std::uint32_t i) { return scene.positions[i]; };
+    for (const Rectangle& viewport : {Rectangle{0, 0, 32769, 8}, Rectangle{0, 0, 8, -1}, Rectangle{-40000, 0, 8, 8}}) {
+        state.viewport = viewport;
+        CHECK_THROWS_AS(draw(pass, scene.geometry(), state, vertex, depth_only, Targets{.depth = &depth}), UsageError);
+    }
+    state.viewport = Rectangle{-32768, 0, 32768, 32768};
+    CHECK_NOTHROW(draw(pass, scene.geometry(), state, vertex, depth_only, Targets{.depth = &depth}));
 }
