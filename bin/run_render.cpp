@@ -19,7 +19,7 @@ namespace gnomon {
 namespace {
 
 // What all techniques of a run share.
-struct Session {
+struct Rendering {
     const RenderRequest& request;
     const Stage& stage;
     Frame& frame;
@@ -63,30 +63,30 @@ std::vector<TechniqueRequest> supported(const RenderRequest& request, const std:
     return kept;
 }
 
-void prepare_shading(Session& session) {
-    const Step step(session.stats, "unshadowed image");
-    const GBuffer& gbuffer = session.frame.gbuffer();
-    session.base = ambient_and_emission(gbuffer, session.request.ambient);
-    const Image<float> lit(session.frame.width(), session.frame.height(), 1.0f);
-    Image<vec3> all_lit = session.base;
-    for (const Light& light : session.stage.lights) {
-        Image<vec3> direct(session.frame.width(), session.frame.height(), vec3(0.0f));
+void prepare_shading(Rendering& rendering) {
+    const Step step(rendering.stats, "unshadowed image");
+    const GBuffer& gbuffer = rendering.frame.gbuffer();
+    rendering.base = ambient_and_emission(gbuffer, rendering.request.ambient);
+    const Image<float> lit(rendering.frame.width(), rendering.frame.height(), 1.0f);
+    Image<vec3> all_lit = rendering.base;
+    for (const Light& light : rendering.stage.lights) {
+        Image<vec3> direct(rendering.frame.width(), rendering.frame.height(), vec3(0.0f));
         add_direct_light(direct, gbuffer, light, lit);
         for (size_t i = 0; i < direct.size(); ++i) all_lit.values()[i] += direct.values()[i];
-        session.unshadowed.push_back(std::move(direct));
+        rendering.unshadowed.push_back(std::move(direct));
     }
-    session.exposure = session.request.exposure_stops ? std::exp2(*session.request.exposure_stops)
-                                                      : automatic_exposure(gbuffer, all_lit);
-    session.stats.exposure = session.exposure;
+    rendering.exposure = rendering.request.exposure_stops ? std::exp2(*rendering.request.exposure_stops)
+                                                          : automatic_exposure(gbuffer, all_lit);
+    rendering.stats.exposure = rendering.exposure;
 }
 
-LitImage shade_light(Session& session, const TechniqueRequest& technique, const std::string& label, size_t index) {
-    const Light& light = session.stage.lights[index];
-    Frame& frame = session.frame;
+LitImage shade_light(Rendering& rendering, const TechniqueRequest& technique, const std::string& label, size_t index) {
+    const Light& light = rendering.stage.lights[index];
+    Frame& frame = rendering.frame;
     frame.truth_run.light_index = static_cast<std::uint32_t>(index);
     frame.begin_technique();
     const std::int64_t pixels = std::int64_t{frame.width()} * frame.height();
-    Progress progress(label, pixels, session.request.progress);
+    Progress progress(label, pixels, rendering.request.progress);
     frame.progress = &progress;
     const double shared_before = frame.adjacency_seconds() + frame.rays_seconds();
     const Stopwatch watch;
@@ -95,9 +95,9 @@ LitImage shade_light(Session& session, const TechniqueRequest& technique, const 
     const double shared = frame.adjacency_seconds() + frame.rays_seconds() - shared_before;
     progress.advance(pixels); // most techniques do not report
     frame.progress = nullptr;
-    session.stats.techniques.push_back({label, technique.entry->info.id, light.name,
-                                        parameters_json(technique.entry->parameters, technique.parameters),
-                                        watch.seconds() - shared, frame.log()});
+    rendering.stats.techniques.push_back({label, technique.entry->info.id, light.name,
+                                          parameters_json(technique.entry->parameters, technique.parameters),
+                                          watch.seconds() - shared, frame.log()});
     return image;
 }
 
@@ -109,29 +109,30 @@ void add_light(Image<vec3>& radiance, const Image<vec3>& unshadowed, const Visib
     });
 }
 
-Rendered render_technique(Session& session, const TechniqueRequest& technique, const OutputFiles& files) {
-    Rendered rendered{technique, files, session.base, {}, session.stats.techniques.size()};
+Rendered render_technique(Rendering& rendering, const TechniqueRequest& technique, const OutputFiles& files) {
+    Rendered rendered{technique, files, rendering.base, {}, rendering.stats.techniques.size()};
     double seconds = 0;
-    for (size_t i = 0; i < session.stage.lights.size(); ++i) {
-        rendered.images.push_back(shade_light(session, technique, files.label, i));
-        add_light(rendered.radiance, session.unshadowed[i], rendered.images.back().visibility);
-        seconds += session.stats.techniques.back().seconds;
+    for (size_t i = 0; i < rendering.stage.lights.size(); ++i) {
+        rendered.images.push_back(shade_light(rendering, technique, files.label, i));
+        add_light(rendered.radiance, rendering.unshadowed[i], rendered.images.back().visibility);
+        seconds += rendering.stats.techniques.back().seconds;
     }
-    session.stats.steps.push_back({"technique " + files.label, seconds});
+    rendering.stats.steps.push_back({"technique " + files.label, seconds});
     return rendered;
 }
 
-std::map<std::string, Attribute> make_attributes(const Session& session, const TechniqueRequest& technique) {
+std::map<std::string, Attribute> make_attributes(const Rendering& rendering, const TechniqueRequest& technique) {
     std::string lights;
-    for (const Light& light : session.stage.lights) lights += (lights.empty() ? "" : ", ") + light.name;
+    for (const Light& light : rendering.stage.lights) lights += (lights.empty() ? "" : ", ") + light.name;
     const nlohmann::json parameters = parameters_json(technique.entry->parameters, technique.parameters);
-    const Camera& camera = session.stage.camera;
+    const Camera& camera = rendering.stage.camera;
     const dmat4 view = view_matrix(camera);
-    const double aspect = static_cast<double>(session.frame.width()) / session.frame.height();
-    std::map<std::string, Attribute> attributes = share_attributes(session.frame.truth_run.share, session.run_digest);
+    const double aspect = static_cast<double>(rendering.frame.width()) / rendering.frame.height();
+    std::map<std::string, Attribute> attributes =
+        share_attributes(rendering.frame.truth_run.share, rendering.run_digest);
     attributes.merge(std::map<std::string, Attribute>{
         {"gnomon:version", GNOMON_VERSION},
-        {"gnomon:scene", session.stage.scene.name},
+        {"gnomon:scene", rendering.stage.scene.name},
         {"gnomon:camera", camera.name},
         {"gnomon:light", lights},
         {"gnomon:technique", technique.entry->info.id},
@@ -142,21 +143,21 @@ std::map<std::string, Attribute> make_attributes(const Session& session, const T
     return attributes;
 }
 
-void write_images(Session& session, const Rendered& rendered) {
-    const Step step(session.stats, "write " + rendered.files.label);
-    const std::map<std::string, Attribute> attributes = make_attributes(session, rendered.technique);
+void write_images(Rendering& rendering, const Rendered& rendered) {
+    const Step step(rendering.stats, "write " + rendered.files.label);
+    const std::map<std::string, Attribute> attributes = make_attributes(rendering, rendered.technique);
     const OutputFiles& files = rendered.files;
     const std::string& any_path = files.exr.empty() ? files.png : files.exr;
     if (!files.exr.empty())
-        write_exr(files.exr, make_layers(session.request, session.frame, session.stage.lights, rendered.radiance,
+        write_exr(files.exr, make_layers(rendering.request, rendering.frame, rendering.stage.lights, rendered.radiance,
                                          rendered.images, attributes));
-    if (session.request.debug_images && !any_path.empty())
-        write_debug_images(any_path, session.frame, rendered.images, attributes);
+    if (rendering.request.debug_images && !any_path.empty())
+        write_debug_images(any_path, rendering.frame, rendered.images, attributes);
     if (files.png.empty()) return;
     std::map<std::string, std::string> text;
     for (const auto& [name, value] : attributes)
         if (const auto* sentence = std::get_if<std::string>(&value)) text[name] = *sentence;
-    write_exposed_png(files.png, rendered.radiance, session.exposure, text);
+    write_exposed_png(files.png, rendered.radiance, rendering.exposure, text);
 }
 
 // The techniques with their files. With a report, its reference too: where it is none of them it gets a label and,
@@ -191,30 +192,30 @@ Work plan_work(const RenderRequest& request, std::vector<TechniqueRequest> techn
     return work;
 }
 
-void render_all(Session& session, const Work& work) {
+void render_all(Rendering& rendering, const Work& work) {
     make_folders(work.files);
-    const bool reported = !session.request.report.empty();
-    ReportBuilder report(session.request, session.stage, session.frame, session.exposure);
+    const bool reported = !rendering.request.report.empty();
+    ReportBuilder report(rendering.request, rendering.stage, rendering.frame, rendering.exposure);
     const auto render = [&](size_t i) {
-        const Rendered rendered = render_technique(session, work.techniques[i], work.files[i]);
-        write_images(session, rendered);
-        if (reported) report.add(rendered, session.stats);
+        const Rendered rendered = render_technique(rendering, work.techniques[i], work.files[i]);
+        write_images(rendering, rendered);
+        if (reported) report.add(rendered, rendering.stats);
     };
     if (reported) render(work.reference);
     for (size_t i = 0; i < work.techniques.size(); ++i)
         if (!reported || i != work.reference) render(i);
     if (!reported) return;
-    const Step step(session.stats, "report");
+    const Step step(rendering.stats, "report");
     report.write();
 }
 
 // Opens the state of the one technique of a long run.
-void begin_long_run(Session& session, const Work& work) {
-    const RenderRequest& request = session.request;
+void begin_long_run(Rendering& rendering, const Work& work) {
+    const RenderRequest& request = rendering.request;
     const TechniqueRequest& technique = work.techniques.front();
     const nlohmann::json parameters = parameters_json(technique.entry->parameters, technique.parameters);
     nlohmann::ordered_json identity =
-        truth_identity(session.stage.scene, session.frame.receivers(), session.stage.lights);
+        truth_identity(rendering.stage.scene, rendering.frame.receivers(), rendering.stage.lights);
     identity["version"] = GNOMON_VERSION;
     for (const char* key : {"pattern", "seed"}) identity[key] = parameters[key];
     identity["target error"] = parameters["target-error"] > 0 ? "on" : "off";
@@ -222,21 +223,21 @@ void begin_long_run(Session& session, const Work& work) {
     digest.add_text(identity.dump());
     digest.add_text(parameters.dump());
     digest.add(request.ambient);
-    session.run_digest = digest.text();
+    rendering.run_digest = digest.text();
     const OutputFiles& files = work.files.front();
     make_folders(work.files);
-    session.state =
+    rendering.state =
         open_state(*request.long_run, files.exr.empty() ? files.png : files.exr, identity, request.scene.quiet);
-    session.frame.truth_run.state = session.state.get();
-    session.frame.truth_run.share = request.long_run->share;
+    rendering.frame.truth_run.state = rendering.state.get();
+    rendering.frame.truth_run.share = request.long_run->share;
 }
 
-void end_long_run(Session& session) {
-    if (!session.state) return;
-    if (session.request.long_run->keep_state)
-        session.state->save();
+void end_long_run(Rendering& rendering) {
+    if (!rendering.state) return;
+    if (rendering.request.long_run->keep_state)
+        rendering.state->save();
     else
-        session.state->remove();
+        rendering.state->remove();
 }
 
 void run(const RenderRequest& request) {
@@ -258,14 +259,14 @@ void run(const RenderRequest& request) {
     stats.width = request.size.x, stats.height = request.size.y;
 
     std::optional<InterruptScope> interruptible;
-    Session session{request, stage, frame, stats, {}, {}, 1, nullptr, ""};
-    prepare_shading(session);
+    Rendering rendering{request, stage, frame, stats, {}, {}, 1, nullptr, ""};
+    prepare_shading(rendering);
     if (request.long_run) {
-        begin_long_run(session, work);
-        if (session.state) interruptible.emplace();
+        begin_long_run(rendering, work);
+        if (rendering.state) interruptible.emplace();
     }
-    render_all(session, work);
-    end_long_run(session);
+    render_all(rendering, work);
+    end_long_run(rendering);
     stats.steps.push_back({"adjacency", frame.adjacency_seconds()});
     stats.steps.push_back({"embree", frame.rays_seconds()});
     if (!request.stats.empty()) write_json(request.stats, stats_json(stats));
