@@ -101,13 +101,12 @@ MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth) {
 }
 
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters) {
-    const auto cell = [n](int i) { return (static_cast<float>(2 * i + 1) / static_cast<float>(n)) - 1.0f; };
     const auto texel = [](float coordinate) { return static_cast<int>(std::floor(coordinate)); };
     int lit = 0;
     for (int v = 0; v < n; ++v) {
-        const int y = texel(point.texel.y + cell(v) * reach.y);
+        const int y = texel(point.texel.y + kernel_cell(v, n) * reach.y);
         for (int u = 0; u < n; ++u) {
-            const int x = texel(point.texel.x + cell(u) * reach.x);
+            const int x = texel(point.texel.x + kernel_cell(u, n) * reach.x);
             lit += shadow_test(map, point.layer, x, y, point.depth_at(x, y), counters) > 0.0f;
         }
     }
