@@ -13,7 +13,7 @@ ShadowImage shadow_image(Frame& frame, const Light& light, const EdtParams& para
     full_screen(pass, Targets{.color = {&image.depth}}, [&](Pixel& pixel) {
         const Receiver& receiver = frame.receivers()(pixel.x, pixel.y);
         const float d = frame.gbuffer().depth(pixel.x, pixel.y);
-        const float scaled = params.depth_scale == DepthScale::Linear ? (d - n) / (f - n) : 2.0f * d / (d + f);
+        const float scaled = scaled_depth(params.depth_scale, d, n, f);
         pixel.counters.bytes_read += std::int64_t{sizeof(float)};
         pixel.color[0] = vec4(receiver.valid() ? scaled : infinity);
         image.looked_up(pixel.x, pixel.y) = receiver.valid() && !(params.facing_test && !faces_light(receiver, light));
@@ -118,12 +118,10 @@ namespace {
 // Half the mean's width in pixels. (4.4), (4.5)
 Target mean_half_widths(Frame& frame, const EdtParams& params) {
     const Camera& camera = frame.camera();
-    const double field = camera.vertical_fov;
-    const double tangent = std::tan(0.5 * (params.field_in_degrees ? glm::degrees(field) : field));
-    const double z_screen = 1.0 / (2.0 * std::abs(tangent));
+    const double screen = z_screen(static_cast<double>(camera.vertical_fov), params.field_in_degrees);
     const float scale = params.mean_scale > 0 ? params.mean_scale : author_units(frame.scene(), 50.0f);
     const double resolution = params.mean_width == MeanWidth::Resolution ? frame.height() / 720.0 : 1.0;
-    const auto half = static_cast<float>(0.5 * params.kernel * z_screen * static_cast<double>(scale) * resolution);
+    const auto half = static_cast<float>(0.5 * params.kernel * screen * static_cast<double>(scale) * resolution);
     Target widths = frame.target(Format::R32F, frame.width(), frame.height());
     Pass pass = frame.pass("mean width");
     full_screen(pass, Targets{.color = {&widths}}, [&](Pixel& pixel) {

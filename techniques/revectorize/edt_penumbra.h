@@ -66,6 +66,17 @@ constexpr auto edt_fields = join(
 // Lengths of the author's scenes, where the plane is 120 × 80 units, in metres of this one.
 inline float author_units(const Scene& scene, float units) { return units * scene.bounds.diagonal() / 144.0f; }
 
+// Depth in the thresholds' scale, of a point d metres from the eye plane, between camera planes n and f.
+inline float scaled_depth(DepthScale scale, float d, float n, float f) {
+    return scale == DepthScale::Linear ? (d - n) / (f - n) : 2.0f * d / (d + f);
+}
+
+// (4.5), of a field of view in radians; `in_degrees` takes the tangent of its degrees.
+inline double z_screen(double vertical_fov, bool in_degrees) {
+    const double tangent = std::tan(0.5 * (in_degrees ? glm::degrees(vertical_fov) : vertical_fov));
+    return 1.0 / (2.0 * std::abs(tangent));
+}
+
 // What the passes read: hard shadows, depth in the thresholds' scale (+∞ where nothing is seen), and whether a receiver
 // was looked up at all: those that face away from the light have no silhouette. [Macedo 2018, 0.7]
 struct ShadowImage {
