@@ -103,7 +103,13 @@ struct MapTap {
     int layer, x, y;
     float depth;
 };
-MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth);
+MapTap tap_outside(const LightMap& map, int layer, int x, int y, float depth); // of texels beyond the edge
+inline MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth) {
+    const auto side = static_cast<unsigned>(map.params.size);
+    if (static_cast<unsigned>(x) < side && static_cast<unsigned>(y) < side) [[likely]]
+        return {true, layer, x, y, depth};
+    return tap_outside(map, layer, x, y, depth);
+}
 
 // 1 where depth ≤ the stored depth of texel (x, y), 0 where the texel is nearer; the border's answer outside the map.
 // [Macedo 2018, 0.4]

@@ -10,13 +10,15 @@ ShadowImage shadow_image(Frame& frame, const Light& light, const EdtParams& para
     ShadowImage image = {hard, frame.target(Format::R32F, width, height), Image<std::uint8_t>(width, height)};
     const float n = frame.camera().near_plane, f = frame.camera().far_plane;
     Pass pass = frame.pass("depths");
-    full_screen(pass, Targets{.color = {&image.depth}}, [&](Pixel& pixel) {
-        const Receiver& receiver = frame.receivers()(pixel.x, pixel.y);
-        const float d = frame.gbuffer().depth(pixel.x, pixel.y);
-        const float scaled = scaled_depth(params.depth_scale, d, n, f);
-        pixel.counters.bytes_read += std::int64_t{sizeof(float)};
-        pixel.color[0] = vec4(receiver.valid() ? scaled : infinity);
-        image.looked_up(pixel.x, pixel.y) = receiver.valid() && !(params.facing_test && !faces_light(receiver, light));
+    detail::for_each_row(pass, height, [&](int y, PassCounters& counters) {
+        for (int x = 0; x < width; ++x) {
+            const Receiver& receiver = frame.receivers()(x, y);
+            const float d = frame.gbuffer().depth(x, y);
+            image.depth.row<float>(y)[x] = receiver.valid() ? scaled_depth(params.depth_scale, d, n, f) : infinity;
+            image.looked_up(x, y) = receiver.valid() && !(params.facing_test && !faces_light(receiver, light));
+        }
+        constexpr std::int64_t gbuffer_bytes = 2 * sizeof(vec3) + sizeof(float);
+        detail::count_fragments(counters, width, width, gbuffer_bytes, sizeof(float) + 1);
     });
     return image;
 }
@@ -124,10 +126,12 @@ Target mean_half_widths(Frame& frame, const EdtParams& params) {
     const auto half = static_cast<float>(0.5 * params.kernel * screen * static_cast<double>(scale) * resolution);
     Target widths = frame.target(Format::R32F, frame.width(), frame.height());
     Pass pass = frame.pass("mean width");
-    full_screen(pass, Targets{.color = {&widths}}, [&](Pixel& pixel) {
-        const bool constant = params.mean_width == MeanWidth::Fixed || camera.orthographic;
-        const float distance = frame.gbuffer().depth(pixel.x, pixel.y);
-        pixel.color[0] = vec4(constant ? 0.5f * static_cast<float>(params.kernel) : half / distance);
+    const bool constant = params.mean_width == MeanWidth::Fixed || camera.orthographic;
+    detail::for_each_row(pass, frame.height(), [&](int y, PassCounters& counters) {
+        for (int x = 0; x < frame.width(); ++x)
+            widths.row<float>(y)[x] =
+                constant ? 0.5f * static_cast<float>(params.kernel) : half / frame.gbuffer().depth(x, y);
+        detail::count_fragments(counters, frame.width(), frame.width(), sizeof(float), sizeof(float));
     });
     return widths;
 }

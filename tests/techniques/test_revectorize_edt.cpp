@@ -10,17 +10,6 @@
 using namespace gnomon;
 using namespace gnomon_tests;
 
-namespace {
-
-const Image<float>& layer(const Visibility& visibility, const std::string& name) {
-    const auto found = std::find_if(visibility.debug.begin(), visibility.debug.end(),
-                                    [&](const NamedImage& image) { return image.name == name; });
-    REQUIRE(found != visibility.debug.end());
-    return found->values;
-}
-
-} // namespace
-
 TEST_CASE("depth scales, z_screen and penumbra intensities are their formulas") {
     CHECK(scaled_depth(DepthScale::PseudoLinear, 64.0f, 1.0f, 1000.0f) == Approx(128.0 / 1064));
     CHECK(scaled_depth(DepthScale::Linear, 64.0f, 1.0f, 1000.0f) == Approx(63.0 / 999));
@@ -43,7 +32,7 @@ TEST_CASE("a straight edge becomes a ramp between two rows of one half") {
     Frame frame = mask_frame(mask);
     const float pixel = static_cast<float>(mask.texel_width()) / 16.0f, width = 20 * pixel;
     const Visibility edge = shade(frame, mask.light, "edtsm:size=64,kernel=0,penumbra=" + std::to_string(width));
-    const Image<float>&hard = layer(edge, "hard"), &seeds = layer(edge, "seeds");
+    const Image<float>&hard = debug_image(edge, "hard"), &seeds = debug_image(edge, "seeds");
     int first_lit = 0; // row
     while (hard(128, first_lit) == 0) ++first_lit;
     REQUIRE(first_lit > 100);

@@ -17,13 +17,6 @@ namespace {
 constexpr const char* revectorized[] = {"smsr", "rbsm-cons", "rbsm-nonc", "rbsm-filt",
                                         "rpcf", "rpcf-opt",  "rpcf-hard", "edtsm"};
 
-const Image<float>& layer(const Visibility& visibility, const std::string& name) {
-    const auto found = std::find_if(visibility.debug.begin(), visibility.debug.end(),
-                                    [&](const NamedImage& image) { return image.name == name; });
-    REQUIRE(found != visibility.debug.end());
-    return found->values;
-}
-
 // Floor pixels whose answer is not `expected(texels)`, leaving out those too near to where it jumps or bends.
 template <class Expected, class Skip>
 int wrong_pixels(const MaskScene& mask, const Frame& frame, const Image<float>& values, const Expected& expected,
@@ -120,13 +113,13 @@ TEST_CASE("kernels of V** have no stairs along slopes of 1 over n, and kernels o
 
 TEST_CASE("rpcf is pcf where there is no silhouette") {
     const Scene scene = load_scene(GENERATE(as<std::string>(), "builtin:default", "builtin:fence"));
-    Frame frame(scene, scene.cameras[0], 640, 360);
+    Frame frame(scene, scene.cameras[0], 320, 180);
     const Light& light = scene.lights[0];
     const Visibility pcf = shade(frame, light, "pcf:size=512,kernel=7,radius=1");
     for (const char* technique : {"rpcf:size=512", "rpcf-opt:size=512", "rpcf-hard:size=512"}) {
         INFO(technique);
         const Visibility filtered = shade(frame, light, technique);
-        const Image<float>& silhouette = layer(filtered, "discontinuities");
+        const Image<float>& silhouette = debug_image(filtered, "discontinuities");
         int differ = 0, without = 0, on_it = 0;
         for (size_t i = 0; i < silhouette.size(); ++i) {
             const bool equal = filtered.values.data()[i] == pcf.values.data()[i];
@@ -135,9 +128,9 @@ TEST_CASE("rpcf is pcf where there is no silhouette") {
             else
                 on_it += !equal;
         }
-        CHECK(without > 100000);
+        CHECK(without > 20000);
         CHECK(differ == 0);
-        CHECK(on_it > 1000);
+        CHECK(on_it > 200);
     }
 }
 
@@ -152,9 +145,9 @@ TEST_CASE("rpcf-opt walks less than rpcf, and differs where runs share a directi
         const double d =
             std::abs(static_cast<double>(naive.values.data()[i]) - static_cast<double>(reused.values.data()[i]));
         largest = std::max(largest, d), sum += d, differ += d > 1e-5;
-        silhouette += layer(naive, "discontinuities").data()[i] != 0;
-        walks += static_cast<double>(layer(naive, "traversals").data()[i]);
-        fewer += static_cast<double>(layer(reused, "traversals").data()[i]);
+        silhouette += debug_image(naive, "discontinuities").data()[i] != 0;
+        walks += static_cast<double>(debug_image(naive, "traversals").data()[i]);
+        fewer += static_cast<double>(debug_image(reused, "traversals").data()[i]);
     }
     WARN("rpcf-opt: " << fewer / walks << " of rpcf's traversals; " << differ << " of " << silhouette
                       << " silhouette pixels differ, mean " << sum / silhouette << ", at most " << largest);
@@ -171,7 +164,7 @@ TEST_CASE("the conservative shadow covers that of sm and leaves alone what has n
     for (const char* technique : {"rbsm-cons:size=512", "smsr:size=512"}) {
         INFO(technique);
         const Visibility cons = shade(frame, light, technique);
-        const Image<float>& silhouette = layer(cons, "discontinuities");
+        const Image<float>& silhouette = debug_image(cons, "discontinuities");
         int lighter = 0, elsewhere = 0, darker = 0;
         for (size_t i = 0; i < sm.size(); ++i) {
             const float difference = cons.values.data()[i] - sm.data()[i];
@@ -206,7 +199,7 @@ TEST_CASE("revectorized shadows are nearer to ray-traced ones than sm's") {
 
 TEST_CASE("runs cross the faces of a cube map") {
     const Scene scene = box_over_floor();
-    Frame frame(scene, scene.cameras[0], 640, 480);
+    Frame frame(scene, scene.cameras[0], 320, 240);
     const Light light = point_light({0.9f, 2.4f, 0.6f}); // its faces meet on the floor across the shadow's edges
     const Image<float> rays = shade(frame, light, "raytraced").values;
     const double sm = facing_rmse(frame, light, shade(frame, light, "sm:size=256,projection=cube").values, rays);
