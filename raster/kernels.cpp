@@ -71,12 +71,11 @@ void varyings(const float* v0, const float* v1, const float* v2, std::size_t cou
 }
 
 std::uint64_t equal_ids(const std::uint32_t* ids, std::uint32_t id) {
-    const hn::CappedTag<std::uint32_t, block_side> u;
+    const hn::CappedTag<std::uint32_t, 16> u;
     const auto wanted = hn::Set(u, id);
     std::uint64_t equal = 0;
-    for (std::size_t j = 0; j < block_side; ++j)
-        for (std::size_t i = 0; i < block_side; i += hn::MaxLanes(u))
-            equal |= bits_of(u, hn::Eq(hn::LoadU(u, ids + tile_side * j + i), wanted)) << (8 * j + i);
+    for (std::size_t k = 0; k < 64; k += hn::MaxLanes(u))
+        equal |= bits_of(u, hn::Eq(hn::LoadU(u, ids + k), wanted)) << k;
     return equal;
 }
 
