@@ -42,13 +42,15 @@ void for_each_patch_row(AnyTarget& target, const Targets& targets, const DepthTi
     }
 }
 
+void prefetch(const void* at) { _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T0); }
+
 // Asks for a tile's rows, which the prefetcher would not guess.
 void prefetch_rows(const Target& target, const Targets& targets, const DepthTile& tile) {
     const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
     for (int j = 0; j < extent.rows; ++j) {
         const std::byte* row = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
         const int bytes = extent.columns * target.texel_bytes();
-        for (int at = 0; at < bytes; at += 64) _mm_prefetch(reinterpret_cast<const char*>(row) + at, _MM_HINT_T0);
+        for (int at = 0; at < bytes; at += 64) prefetch(row + at);
     }
 }
 
@@ -157,15 +159,25 @@ std::uint64_t existing_pixels(const Target& target, int level, int x, int y) {
     return ((0xffull >> (8 - columns)) * 0x0101010101010101ull) & (~std::uint64_t{0} >> (8 * (8 - rows)));
 }
 
-// A block's ids row by row.
-std::array<std::uint32_t, 64> ids_of_block(const DepthTile& tile, int x, int y) {
-    std::array<std::uint32_t, 64> ids;
-    const std::uint32_t* block = tile.id + place_in_tile(x, y);
+// A block's words row by row.
+template <class From, class To> void copy_block(const From* from, int x, int y, To* to) {
+    static_assert(sizeof(From) == sizeof(To));
+    from += place_in_tile(x, y);
     for (int j = 0; j < block_side; ++j)
         for (int i = 0; i < block_side; i += patch_side)
-            std::memcpy(&ids[static_cast<size_t>(8 * j + i)], block + place_in_block(i, j),
-                        patch_side * sizeof(ids[0]));
-    return ids;
+            std::memcpy(to + block_side * j + i, from + place_in_block(i, j), patch_side * sizeof(To));
+}
+
+// Asks for what the corners of some triangles hold.
+void prefetch_corners(const TileDraw& draw, std::span<const FragmentRun> runs) {
+    const auto count = static_cast<size_t>(draw.draw->varying_count);
+    for (const FragmentRun& run : runs) {
+        const uvec3 corner = draw.draw->geometry.triangles[run.triangle->primitive];
+        for (const std::uint32_t vertex : {corner.x, corner.y, corner.z}) {
+            prefetch(draw.positions + vertex);
+            prefetch(draw.varyings + vertex * count);
+        }
+    }
 }
 
 // Runs the program for the visible fragments, block by block; with `clear` all others get the targets' clear colour.
@@ -179,9 +191,12 @@ void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std:
     block.counters = &counters;
     std::array<FragmentRun, 64> runs;
     std::array<AttributePlanes, 64> planes;
+    std::array<const ClippedPiece*, 64> pieces;
+    std::array<std::uint32_t, 64> ids;
+    const bool depth_is_key = draw.state->depth.write && targets.depth->format() == Format::D32F; // of what is visible
     for (int y = 0; y < tile_side; y += block_side)
         for (int x = 0; x < tile_side; x += block_side) {
-            const std::array<std::uint32_t, 64> ids = ids_of_block(tile, x, y);
+            copy_block(tile.id, x, y, ids.data());
             const std::uint64_t visible = ~draw.kernels->equal_ids(ids.data(), DepthTile::no_id);
             block.x = tile.x + x, block.y = tile.y + y;
             if (!visible) {
@@ -194,14 +209,25 @@ void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std:
                 const std::uint32_t id = ids[static_cast<size_t>(bit)];
                 const SetupTriangles& chunk = *lists[id / most_triangles_of_a_list].triangles;
                 const SetupTriangle& triangle = chunk.data[id % most_triangles_of_a_list];
-                if (has_varyings) planes[count] = attribute_planes(draw, triangle, chunk.pieces.data());
-                runs[count] = {&triangle, has_varyings ? &planes[count] : nullptr,
-                               draw.kernels->equal_ids(ids.data(), id)};
-                Depths depth;
-                draw.kernels->depth(triangle, block.x, block.y, runs[count].mask, depth.data());
-                set_inputs(draw, runs[count], block, depth);
+                runs[count] = {&triangle, nullptr, draw.kernels->equal_ids(ids.data(), id)};
+                pieces[count] = chunk.pieces.data();
+                prefetch(&draw.draw->geometry.triangles[triangle.primitive]);
             }
             block.runs = std::span(runs.data(), count);
+            if (has_varyings) {
+                prefetch_corners(draw, block.runs);
+                for (size_t k = 0; k < count; ++k) {
+                    planes[k] = attribute_planes(draw, *runs[k].triangle, pieces[k]);
+                    runs[k].planes = &planes[k];
+                    set_varyings(draw, runs[k], block);
+                }
+            }
+            if (depth_is_key) copy_block(tile.depth, x, y, block.depth.data());
+            for (size_t k = 0; k < count && !depth_is_key; ++k) {
+                Depths depth;
+                draw.kernels->depth(*runs[k].triangle, block.x, block.y, runs[k].mask, depth.data());
+                set_depth(runs[k], block, depth);
+            }
             draw.draw->fragments(block, draw.varyings);
             std::uint64_t written = visible;
             if (clear) {
