@@ -35,8 +35,7 @@ constexpr auto edt_fields = join(
         field("edge-tests", &EdtParams::edge_tests, "surfaces of different depth have nothing to do with each other",
               "Macedo 2018, 4.2.3"),
         field("depth-scale", &EdtParams::depth_scale, "linear|pseudo-linear",
-              "depth d of the thresholds, camera planes N and F: (d-N)/(F-N), or 2d/(d+F)",
-              "Macedo 2018, 0.3; author's programs"),
+              "depth d of the thresholds, camera planes N and F: (d-N)/(F-N), or 2d/(d+F)", "author's programs"),
         field("seed-threshold", &EdtParams::seed_threshold, 0, 1, "depth",
               "neighbours further apart than this make no seed", "Macedo 2018, 4.2.3"),
         field("penumbra-threshold", &EdtParams::penumbra_threshold, 0, 1, "depth",
@@ -46,7 +45,7 @@ constexpr auto edt_fields = join(
         field("nearest", &EdtParams::nearest, "pixel|world",
               "the seed nearest in the image, or, by trying all, in the world", "Macedo 2018, 4.2.2"),
         field("transform", &EdtParams::transform, "exact|jump-flooding",
-              "how the seed nearest in the image is found; jump flooding misses some", "Macedo 2018, 4.2 and 7"),
+              "how the seed nearest in the image is found; jump flooding misses some", "Macedo 2018, 4.2"),
         field("distance", &EdtParams::distance, "world|clip|screen",
               "space of the distance to the seed; screen counts pixels and follows the viewer",
               "Macedo 2018, 4.2.3; clip: author's programs"),
@@ -78,7 +77,7 @@ inline double z_screen(double vertical_fov, bool in_degrees) {
 }
 
 // What the passes read: hard shadows, depth in the thresholds' scale (+∞ where nothing is seen), and whether a receiver
-// was looked up at all: those that face away from the light have no silhouette. [Macedo 2018, 0.7]
+// was looked up at all: those that face away from the light have no silhouette. [the author's programs]
 struct ShadowImage {
     const Image<float>& hard;
     Target depth;

@@ -87,9 +87,9 @@ Entry edtsm_entry() {
          .title = "Euclidean distance transform shadow map",
          .family = "revectorization",
          .kind = TechniqueKind::Filtered,
-         .paper = "Macedo, Apolinario 2017; Macedo 2018, 2.10",
+         .paper = "Macedo, Apolinario 2017; Macedo 2018",
          .lights = all_lights,
-         .section = "thesis 4.2, algorithm 3",
+         .section = "Macedo 2018, 4.2, algorithm 3",
          .equations = "(3.1) to (3.5), (3.9), (4.3) to (4.5)",
          .strengths = "penumbrae of any width at the same cost; no staircase; leaks nothing between surfaces that the "
                       "thresholds tell apart",

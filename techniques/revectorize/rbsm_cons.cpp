@@ -84,9 +84,9 @@ Entry rbsm_cons_entry() {
          .title = "revectorization-based shadow map, conservative",
          .family = "revectorization",
          .kind = TechniqueKind::Hard,
-         .paper = "Macedo, Apolinario 2016; Macedo 2018, 2.3",
+         .paper = "Macedo, Apolinario 2016; Macedo 2018",
          .lights = all_lights,
-         .section = "thesis 3.1, algorithm 1, appendices A and B",
+         .section = "Macedo 2018, 3.1, algorithm 1, appendices A and B",
          .equations = "(3.1) to (3.6)",
          .strengths = "no staircase on edges of slope 1/n, n up to max-size; walks on the lit side alone; never lights "
                       "what sm darkens; needs nothing but the shadow map",

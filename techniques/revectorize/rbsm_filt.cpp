@@ -38,9 +38,9 @@ Entry rbsm_filt_entry() {
          .title = "revectorization-based shadow map, filtered",
          .family = "revectorization",
          .kind = TechniqueKind::Filtered,
-         .paper = "Macedo 2018, 2.6",
+         .paper = "Macedo 2018",
          .lights = all_lights,
-         .section = "thesis 4.1.1",
+         .section = "Macedo 2018, 4.1.1",
          .equations = "(3.1) to (3.4), (4.1) as its text has it, (4.2)",
          .strengths = "a linear ramp on edges of slope 1/n, n up to max-size, whose middle is rbsm-nonc's edge; one "
                       "look-up",

@@ -43,9 +43,9 @@ Entry rbsm_nonc_entry() {
          .title = "revectorization-based shadow map, non-conservative",
          .family = "revectorization",
          .kind = TechniqueKind::Hard,
-         .paper = "Macedo, Apolinario 2016; Macedo 2018, 2.5",
+         .paper = "Macedo, Apolinario 2016; Macedo 2018",
          .lights = all_lights,
-         .section = "thesis 3.2, algorithm 1",
+         .section = "Macedo 2018, 3.2, algorithm 1",
          .equations = "(3.1) to (3.5), (3.7) to (3.9)",
          .strengths =
              "no staircase on edges of slope 1/n, n up to max-size, and the edge where it belongs; keeps areas; "

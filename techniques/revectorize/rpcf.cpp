@@ -49,9 +49,9 @@ Entry rpcf_entry() {
          .title = "revectorization-based percentage-closer filtering",
          .family = "revectorization",
          .kind = TechniqueKind::Filtered,
-         .paper = "Macedo 2018, 2.7",
+         .paper = "Macedo 2018",
          .lights = all_lights,
-         .section = "thesis 4.1.2",
+         .section = "Macedo 2018, 4.1.2",
          .equations = "(3.1) to (3.4), (4.1) as its text has it, (4.2)",
          .strengths = "no staircase at penumbrae of a texel or less, where pcf has one; more levels than pcf of the "
                       "same kernel; leaks nothing; needs nothing but the shadow map",

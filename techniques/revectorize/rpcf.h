@@ -26,7 +26,7 @@ constexpr auto rpcf_fields = join(
                  "kernel x kernel cell centres, or from edge to edge in steps added up in float32, one more a side",
                  "author's programs"),
            field("flip-isolated", &RpcfParams::flip_isolated,
-                 "a texel that differs from all four neighbours takes their state", "Macedo 2018, 2.5"),
+                 "a texel that differs from all four neighbours takes their state", "author's programs"),
            preset("published",
                   "size=2048,near=1,border=shadow,eps-unit=window,stepping=float,receiver-plane=off,taps=corners",
                   "as the author's program has it", "github.com/MarcioCerqueira/GlobalIllumination")));

@@ -1,5 +1,5 @@
 // Shadow map silhouette revectorization, the two-pass ancestor of rbsm-cons: discontinuities of lit receivers go to a
-// texture first, then a second pass walks the map from there. [Bondarev 2014; Macedo 2018, 2.3.5 and 3]
+// texture first, then a second pass walks the map from there. [Bondarev 2014; Macedo 2018, 2.3.3 and 3]
 //
 // 1. shadow map.
 // 2. discontinuities: per receiver, sides of the texel where V_SM changes (3.3), packed into 8 bits a channel.
@@ -105,9 +105,9 @@ Entry smsr_entry() {
          .title = "shadow map silhouette revectorization",
          .family = "revectorization",
          .kind = TechniqueKind::Hard,
-         .paper = "Bondarev 2014; Macedo 2018, 2.26",
+         .paper = "Bondarev 2014; Macedo 2018",
          .lights = all_lights,
-         .section = "thesis 2.3 and introduction of 3",
+         .section = "Macedo 2018, 2.3.3 and introduction of 3",
          .equations = "(3.3) to (3.6), which later work made of it",
          .strengths = "no staircase on edges of slope 1/n, n up to max-size",
          .artifacts =

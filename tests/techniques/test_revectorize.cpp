@@ -218,3 +218,36 @@ TEST_CASE("the merged visibility function is its two cases") {
     CHECK(nonconservative_visibility({0.25f, 0.25f}, true));
     CHECK(nonconservative_visibility({0.25f, 0.25f}, false));
 }
+
+TEST_CASE("dense detail turns over: a checkerboard's texels take their neighbours' state") {
+    const MaskSource board{[](int i, int j) { return ((i + j) & 1) != 0; }};
+    int same = 0, darker = 0;
+    for (float y = 0.03f; y < 4; y += 0.11f)
+        for (float x = 0.03f; x < 4; x += 0.11f) {
+            const float plain = visibility_at(board, Variant::Plain, {x, y});
+            same += visibility_at(board, Variant::Nonconservative, {x, y}) == plain;
+            darker += visibility_at(board, Variant::Conservative, {x, y}) < plain;
+        }
+    CHECK(same == 0);
+    CHECK(darker > 0);
+}
+
+TEST_CASE("a run that leaves the map ends there as the border says") {
+    // Shadow below row 0 as far as column 5; the border begins at column 6.
+    const auto x_plus_distance = [](float border) {
+        struct Source {
+            float border;
+            float behind(ivec2 t, float depth) const {
+                if (t.x >= 6) return border;
+                return depth - (t.y < 0 ? 0.25f : 0.75f);
+            }
+        };
+        const Source source{border};
+        const SilhouetteRules rules = default_rules(Variant::Nonconservative);
+        const Silhouette silhouette(source, rules);
+        const SilhouettePoint p = silhouette.point({{2.25f, 0.5f}, 0.75f, 0.0f});
+        return silhouette.distances(p, silhouette.discontinuities(p.place, p.depth, p.lit)).x_plus;
+    };
+    CHECK(x_plus_distance(infinity) == 3.75f);   // shadow outside closes the run
+    CHECK(x_plus_distance(-infinity) == -3.75f); // light outside lets it fade out
+}
