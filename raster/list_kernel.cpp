@@ -102,7 +102,9 @@ void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* tria
         const SetupTriangle& t = triangles[list[k]];
         const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
-        if (t.small && !counting)
+        if (t.small && !counting && (box.x1 >> 2) - (box.x0 >> 2) > 2)
+            draw_medium<mode == ListMode::Ids, kind, less>(state, tile, t, box, id, counts);
+        else if (t.small && !counting)
             draw_small<mode == ListMode::Ids, kind, less>(state, tile, t, box, id, counts);
         else
             draw_blocks<mode, kind, less>(state, tile, t, box, id, counts);

@@ -42,7 +42,8 @@ struct SetupTriangle {
     std::uint8_t first;           // which submitted corner is the anchor; of a piece: of its own corners
     bool reversed;                // the corners run against the order of submission
     bool front;
-    bool small; // at most 16 pixels wide and high before any box cut it: edge functions around it fit 32 bits
+    bool small; // at most 64 pixels wide and high before any box cut it: edge functions around it fit 32 bits, and
+                // floats
 
     static constexpr std::uint32_t whole = 0xffffffffu;
 

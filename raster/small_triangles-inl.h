@@ -110,14 +110,78 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
                 covered += hwy::PopCount(bits_of(i, inside[p]));
             }
             const std::size_t at = place_in_tile(x, y);
-            passed += hwy::PopCount(
-                test_patch<with_ids, less>(state, tile, depth, columns, rows, at, inside, false, id));
+            passed +=
+                hwy::PopCount(test_patch<with_ids, less>(state, tile, depth, columns, rows, at, inside, false, id));
             x += patch_side;
             if (x > box.x1) break;
             edges.move(edges.right);
             columns = depth.columns(tile.x + x);
         }
         row_edges.move(row_edges.up);
+    }
+    counts.covered += static_cast<std::int64_t>(covered);
+    counts.passed += static_cast<std::int64_t>(passed);
+    if (state.write && passed) tile.unknown |= blocks_of(box);
+}
+
+// Patch by patch too, but asking first which patches of a row the triangle touches, and which it covers.
+template <bool with_ids, KeyKind kind, bool less>
+HWY_NOINLINE void draw_medium(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
+                              std::uint32_t id, TileCounts& counts) {
+    using Floats = PatchEdges::Floats; // the patches of a row, or the pixels of a patch
+    static_assert(tile_side == patch_side * static_cast<int>(patch_pixels));
+    const Ints i;
+    const Floats f;
+    const DepthKeys<kind> depth(t, state.key_scale);
+    const int y0 = box.y0 & -patch_side, first = box.x0 / patch_side, last = box.x1 / patch_side;
+    const SmallEdges at_tile(t, state.conservative, tile.x, tile.y + y0);
+    PatchEdges edges(at_tile);
+    hn::Vec<Floats> corner[3][int_parts], most_inside[3], least_inside[3];
+    for (std::size_t e = 0; e < 3; ++e) {
+        const auto a = hn::Set(f, at_tile.a[e]), b = hn::Set(f, at_tile.b[e]), zero = hn::Zero(f);
+        const auto span = hn::Set(f, static_cast<float>(patch_side - 1));
+        most_inside[e] = hn::Mul(span, hn::Add(hn::Max(a, zero), hn::Max(b, zero)));
+        least_inside[e] = hn::Mul(span, hn::Add(hn::Min(a, zero), hn::Min(b, zero)));
+        for (std::size_t p = 0; p < int_parts; ++p)
+            corner[e][p] = hn::Add(hn::Set(f, at_tile.base[e]),
+                                   hn::Mul(hn::Iota(f, static_cast<float>(p * int_lanes)), edges.right[e]));
+    }
+    const std::uint32_t box_columns = (2u << last) - (1u << first);
+    const std::uint32_t left = ((0xfu << (box.x0 & 3)) & 0xf) * 0x1111u, right = (0xfu >> (3 - (box.x1 & 3))) * 0x1111u;
+    std::uint64_t covered = 0, passed = 0;
+    for (int y = y0; y <= box.y1; y += patch_side) {
+        std::uint64_t touched = 0, whole = 0;
+        for (std::size_t p = 0; p < int_parts; ++p) {
+            const auto at_least = [&](const hn::Vec<Floats>* offset) {
+                const auto least = hn::Min(hn::Min(hn::Add(corner[0][p], offset[0]), hn::Add(corner[1][p], offset[1])),
+                                           hn::Add(corner[2][p], offset[2]));
+                return bits_of(f, hn::Ge(least, hn::Zero(f))) << (p * int_lanes);
+            };
+            touched |= at_least(most_inside), whole |= at_least(least_inside);
+            for (std::size_t e = 0; e < 3; ++e) corner[e][p] = hn::Add(corner[e][p], edges.up[e]);
+        }
+        const auto rows = depth.rows(tile.y + y);
+        const std::uint32_t row_bits =
+            (0xffffu >> (4 * most(y + 3 - box.y1, 0))) & (0xffffu << (4 * most(box.y0 - y, 0)));
+        for (auto rest = static_cast<std::uint32_t>(touched) & box_columns; rest; rest &= rest - 1) {
+            const int n = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest)), x = n * patch_side;
+            const std::uint32_t bits = row_bits & (n == first ? left : 0xffffu) & (n == last ? right : 0xffffu);
+            Lanes inside[int_parts];
+            for (std::size_t p = 0; p < int_parts; ++p) {
+                inside[p] = mask_of(i, bits >> (p * int_lanes));
+                if (!(whole >> n & 1)) {
+                    const auto column = hn::Set(f, static_cast<float>(n));
+                    auto least = hn::Add(edges.value[0][p], hn::Mul(column, edges.right[0]));
+                    for (std::size_t e = 1; e < 3; ++e)
+                        least = hn::Min(least, hn::Add(edges.value[e][p], hn::Mul(column, edges.right[e])));
+                    inside[p] = hn::And(inside[p], hn::RebindMask(i, hn::Ge(least, hn::Zero(f))));
+                }
+                covered += hwy::PopCount(bits_of(i, inside[p]));
+            }
+            passed += hwy::PopCount(test_patch<with_ids, less>(state, tile, depth, depth.columns(tile.x + x), rows,
+                                                               place_in_tile(x, y), inside, false, id));
+        }
+        edges.move(edges.up);
     }
     counts.covered += static_cast<std::int64_t>(covered);
     counts.passed += static_cast<std::int64_t>(passed);
