@@ -47,6 +47,7 @@ struct TechniqueInfo {
     TechniqueKind kind = TechniqueKind::Hard;
     std::string paper; // "Reeves, Salesin, Cook 1987; Macedo 2018, 2.18"
     LightTypes lights = all_lights;
+    int version = 1; // raised whenever the technique answers differently, so that studies compute its cells anew
 };
 
 struct Entry {
