@@ -73,6 +73,7 @@ void add_commands(CLI::App& program, const std::string& line) {
     add_render_command(program, line);
     add_truth_command(program);
     add_compare_command(program);
+    add_study_command(program);
     add_list_command(program);
     add_help_command(program);
     add_export_command(program);
