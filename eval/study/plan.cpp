@@ -63,7 +63,7 @@ private:
         return place->second;
     }
 
-    ordered_json row_head(const StudyCell& cell, const ordered_json& view, const StudyVariant& technique,
+    ordered_json row_head(const PlannedCell& cell, const ordered_json& view, const StudyVariant& technique,
                           const StudyVariant& truth) const {
         ordered_json head = {{"cell", cell.hash}};
         head.update(view);

@@ -24,7 +24,7 @@ constexpr const char* plan_file = "study.json";
 constexpr int plan_format = 1;
 
 // What is known of a cell, where it is there and what it should be.
-std::optional<ordered_json> known_result(const StudyStore& store, const StudyCell& cell) {
+std::optional<ordered_json> known_result(const StudyStore& store, const PlannedCell& cell) {
     std::optional<ordered_json> result = store.result(cell.hash);
     if (result && (*result)["identity"].dump() != cell.identity.dump())
         throw InputError(
@@ -60,24 +60,24 @@ public:
         : plan_(plan), program_(program), store_(store) {}
 
     // False where another run is busy with the cell's truth and `wait` is not set.
-    bool compute(const StudyCell& cell, bool wait) {
+    bool compute(const PlannedCell& cell, bool wait) {
         if (!prepare_truth(plan_.truths[cell.truth], wait)) return false;
-        ordered_json result = {{"identity", cell.identity}}, timing = {{"seconds", nullptr}, {"peak_bytes", nullptr}};
+        ordered_json result = {{"identity", cell.identity}};
         StudyImage made;
         std::optional<std::string> failure = truth_failure_;
         if (!failure) failure = failure_of([&] { made = measure(cell, result); });
         if (failure) {
             result = {{"identity", cell.identity}, {"status", "failed"}, {"message", portable(*failure, cell.view)}};
-            store_.put_cell(cell.hash, std::move(result), timing, nullptr);
+            store_.put_cell(cell.hash, std::move(result), ordered_json::object(), nullptr);
         } else {
-            timing = {{"seconds", made.seconds}, {"peak_bytes", made.peak_bytes}};
+            const ordered_json timing = {{"seconds", made.seconds}, {"peak_bytes", made.peak_bytes}};
             store_.put_cell(cell.hash, std::move(result), timing, &made.image);
         }
         return true;
     }
 
 private:
-    StudyImage measure(const StudyCell& cell, ordered_json& result) {
+    StudyImage measure(const PlannedCell& cell, ordered_json& result) {
         StudyImage made = program_.render(cell.view, cell.technique, "");
         CompareOptions options;
         options.test_name = "visibility.exr", options.reference_name = "the truth", options.metrics = cell.metrics;
@@ -91,7 +91,7 @@ private:
 
     // Afterwards the truth is in memory, or truth_failure_ says why there is none. Cells of one truth follow each
     // other.
-    bool prepare_truth(const StudyTruth& truth, bool wait) {
+    bool prepare_truth(const PlannedTruth& truth, bool wait) {
         if (truth_hash_ == truth.hash) return true;
         std::optional<ChannelImage> image = store_.truth(truth.hash);
         std::optional<std::string> failure;
@@ -109,7 +109,7 @@ private:
         return true;
     }
 
-    std::optional<std::string> make_truth(const StudyTruth& truth, const std::string& state,
+    std::optional<std::string> make_truth(const PlannedTruth& truth, const std::string& state,
                                           std::optional<ChannelImage>& image) {
         const std::optional<std::string> why =
             failure_of([&] { image = program_.render(truth.view, truth.choice, state).image; });
@@ -129,9 +129,9 @@ private:
     std::map<std::string, std::string> failed_truths_; // hash → why
 };
 
-std::vector<const StudyCell*> cells_to_do(const StudyPlan& plan, const StudyStore& store, const StudyRun& run,
-                                          StudySummary& summary) {
-    std::vector<const StudyCell*> to_do;
+std::vector<const PlannedCell*> cells_to_do(const StudyPlan& plan, const StudyStore& store, const StudyRun& run,
+                                            StudySummary& summary) {
+    std::vector<const PlannedCell*> to_do;
     summary.cells = plan.cells.size();
     for (size_t i = 0; i < plan.cells.size(); ++i) {
         if (!run.share.has(i)) continue;
@@ -145,18 +145,18 @@ std::vector<const StudyCell*> cells_to_do(const StudyPlan& plan, const StudyStor
     return to_do;
 }
 
-void compute_all(const std::vector<const StudyCell*>& to_do, size_t there, Runner& runner, const StudyRun& run) {
+void compute_all(const std::vector<const PlannedCell*>& to_do, size_t there, Runner& runner, const StudyRun& run) {
     if (to_do.empty()) return;
     Progress progress(fmt::format("{} of {} cells to do", to_do.size(), to_do.size() + there),
                       static_cast<std::int64_t>(to_do.size()), run.progress);
     // Cells whose truth another run is busy with come last: meanwhile there is other work.
-    std::vector<const StudyCell*> later;
-    for (const StudyCell* cell : to_do)
+    std::vector<const PlannedCell*> later;
+    for (const PlannedCell* cell : to_do)
         if (runner.compute(*cell, false))
             progress.advance();
         else
             later.push_back(cell);
-    for (const StudyCell* cell : later) {
+    for (const PlannedCell* cell : later) {
         runner.compute(*cell, true);
         progress.advance();
     }
@@ -164,7 +164,7 @@ void compute_all(const std::vector<const StudyCell*>& to_do, size_t there, Runne
 
 ordered_json plan_json(const StudyPlan& plan) {
     ordered_json rows = ordered_json::array();
-    for (const StudyRow& row : plan.rows) rows.push_back(row.head);
+    for (const PlannedRow& row : plan.rows) rows.push_back(row.head);
     return {{"format", plan_format}, {"study", plan.name}, {"rows", std::move(rows)}};
 }
 
@@ -217,13 +217,13 @@ StudySummary run_study(const StudyPlan& plan, const StudyProgram& program, const
     StudyStore store(folder);
     store.remove_abandoned();
     StudySummary summary;
-    const std::vector<const StudyCell*> to_do = cells_to_do(plan, store, run, summary);
+    const std::vector<const PlannedCell*> to_do = cells_to_do(plan, store, run, summary);
     const ordered_json written = plan_json(plan);
     store.put_text(plan_file, written.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
     Runner runner(plan, program, store);
     compute_all(to_do, summary.there, runner, run);
     summary.computed = to_do.size();
-    for (const StudyTruth& truth : plan.truths) store.tidy(truth.hash);
+    for (const PlannedTruth& truth : plan.truths) store.tidy(truth.hash);
     std::vector<std::string> own;
     for (size_t i = 0; i < plan.cells.size(); ++i)
         if (run.share.has(i)) own.push_back(plan.cells[i].hash);
@@ -252,12 +252,12 @@ StudySummary collect_study(const std::string& folder, bool partial) {
 std::string list_study(const StudyPlan& plan, const std::string& folder) {
     const StudyStore store(folder);
     std::vector<std::string> states;
-    for (const StudyCell& cell : plan.cells) {
+    for (const PlannedCell& cell : plan.cells) {
         const std::optional<ordered_json> result = known_result(store, cell);
         states.push_back(!result ? "to do" : failed(*result) ? "failed" : "there");
     }
     std::string text;
-    for (const StudyRow& row : plan.rows) {
+    for (const PlannedRow& row : plan.rows) {
         const auto word = [&](const char* key) { return row.head[key].get<std::string>(); };
         std::string varied;
         for (const auto& item : row.head["varied"].items())

@@ -61,14 +61,14 @@ struct StudyProgram {
 };
 
 // A truth that cells are measured against.
-struct StudyTruth {
+struct PlannedTruth {
     std::string hash;
     nlohmann::ordered_json identity; // what the hash is of
     StudyView view;
     StudyChoice choice;
 };
 
-struct StudyCell {
+struct PlannedCell {
     std::string hash;
     nlohmann::ordered_json identity;
     StudyView view;
@@ -78,16 +78,16 @@ struct StudyCell {
 };
 
 // A line of the tables before its results are known.
-struct StudyRow {
+struct PlannedRow {
     std::size_t cell = 0;        // index into StudyPlan::cells
     nlohmann::ordered_json head; // {"cell", "block", "scene", …, "reference"}
 };
 
 struct StudyPlan {
     std::string name;
-    std::vector<StudyRow> rows; // in the order of the file
-    std::vector<StudyCell> cells;
-    std::vector<StudyTruth> truths;
+    std::vector<PlannedRow> rows; // in the order of the file
+    std::vector<PlannedCell> cells;
+    std::vector<PlannedTruth> truths;
 };
 
 // Reads a study and settles all that it asks for, without loading a scene. Throws InputError with one line that names

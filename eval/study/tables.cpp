@@ -75,7 +75,7 @@ ordered_json timing_line(const ordered_json& head, const ordered_json& timing) {
     ordered_json line = head;
     line.erase("reference");
     for (const char* key : {"seconds", "peak_bytes"})
-        line[key] = timing.is_object() && timing.contains(key) ? timing[key] : ordered_json();
+        if (timing.is_object() && timing.contains(key)) line[key] = timing[key];
     return line;
 }
 

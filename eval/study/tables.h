@@ -10,7 +10,8 @@ namespace gnomon {
 
 // A row's head with what its cell came to; docs/studies.md has the form.
 nlohmann::ordered_json result_line(const nlohmann::ordered_json& head, const nlohmann::ordered_json& result);
-// The same with what it took: {"cell", "block", …, "seconds", "peak_bytes"}.
+// The same with what it took: {"cell", "block", …, "seconds", "peak_bytes"}, the last two not
+// for a cell that failed.
 nlohmann::ordered_json timing_line(const nlohmann::ordered_json& head, const nlohmann::ordered_json& timing);
 
 std::string json_lines(const std::vector<nlohmann::ordered_json>& lines);

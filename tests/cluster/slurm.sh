@@ -16,7 +16,7 @@ finish() {
     trap - EXIT
     [ -z "$daemons" ] || kill $daemons 2>/dev/null || true
     wait
-    [ $code -eq 0 ] || tail -n 20 "$work"/*.log "$work"/task-* 2>/dev/null >&2 || true
+    [ $code -eq 0 ] || tail -n 20 "$work"/*.log "$work"/task-* >&2 2>/dev/null || true
     rm -rf "$work"
     exit $code
 }
@@ -63,6 +63,7 @@ SelectTypeParameters=CR_CPU
 NodeName=$host NodeAddr=127.0.0.1 CPUs=2
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 END
+echo CgroupPlugin=cgroup/v1 >"$work/cgroup.conf" # named, it is not used; looked for, it must be mounted
 export SLURM_CONF=$work/slurm.conf
 
 wait_for() {

@@ -53,7 +53,7 @@ StudyPlan plan_of(const std::string& text, const StudyProgram& lent = program())
     return read_study(path, lent);
 }
 
-std::string summary(const StudyRow& row) {
+std::string summary(const PlannedRow& row) {
     return row.head["block"].get<std::string>() + " " + row.head["size"].get<std::string>() + " " +
            row.head["technique"].get<std::string>() + " " + row.head["varied"].dump();
 }
@@ -72,7 +72,7 @@ TEST_CASE("shared parameters go to every technique that has them", "[study]") {
             {"name": "output", "sizes": ["854x480", "1280x720"], "techniques": "filter:kernel=7"}]
     })");
     std::vector<std::string> rows;
-    for (const StudyRow& row : plan.rows) rows.push_back(summary(row));
+    for (const PlannedRow& row : plan.rows) rows.push_back(summary(row));
     CHECK(rows == std::vector<std::string>{
                       R"(sizes 1280x720 volume {})", R"(sizes 1280x720 map {"size":512})",
                       R"(sizes 1280x720 map {"size":1024})", R"(sizes 1280x720 filter {"size":512})",
