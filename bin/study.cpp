@@ -62,7 +62,7 @@ void run_collect(const StudyOptions& options) {
 
 void add_run(CLI::App& study, const std::shared_ptr<StudyOptions>& options) {
     CLI::App* command = study.add_subcommand("run", "compute what a folder lacks of a study");
-    command->add_option("study", options->file, "what to run; docs/studies.md describes it")
+    command->add_option("STUDY", options->file, "what to run; docs/studies.md describes it")
         ->type_name("STUDY.json")
         ->required();
     command->add_option("-o,--output", options->folder, "where cells and tables are kept, made if missing")
@@ -86,7 +86,7 @@ void add_run(CLI::App& study, const std::shared_ptr<StudyOptions>& options) {
 
 void add_collect(CLI::App& study, const std::shared_ptr<StudyOptions>& options) {
     CLI::App* command = study.add_subcommand("collect", "write the tables of a folder whose cells are there");
-    command->add_option("folder", options->folder, "of gnomon study run")->type_name("DIR")->required();
+    command->add_option("DIR", options->folder, "of gnomon study run")->type_name("DIR")->required();
     command->add_flag("--partial", options->partial, "even where cells are missing, without their rows");
     command->callback([options] { run_collect(*options); });
 }

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <random>
@@ -321,13 +322,19 @@ TEST_CASE("A bad study is one line that names the file and the place", "[bin][st
     };
     for (const Case& row : cases) {
         const std::string study = study_file(folder, row.text);
-        check_failure(run(study, out), 3, row.words);
-        check_failure(run(study, out), 3, "gnomon: " + study + ": ");
+        const ProgramRun failed = run_gnomon(run(study, out));
+        INFO(row.text << "\n" << failed.errors);
+        CHECK(failed.exit_code == 3);
+        CHECK(failed.output.empty());
+        CHECK(failed.errors.starts_with("gnomon: " + study + ": "));
+        CHECK(failed.errors.find(row.words) != std::string::npos);
+        CHECK(std::count(failed.errors.begin(), failed.errors.end(), '\n') == 1);
     }
     CHECK_FALSE(fs::exists(out));
     check_failure(run(folder + "/nowhere.json", out), 3, "nowhere.json");
-    check_failure({"study"}, 2, "");
-    check_failure({"study", "rnu"}, 2, "rnu");
+    check_failure({"study"}, 2, "a command is missing (gnomon study --help");
+    check_failure({"study", "rnu"}, 2, "there is no command 'rnu'; did you mean 'run'?");
+    check_failure(run("x.json", out, {"--shrad", "1/2"}), 2, "did you mean '--shard'? (gnomon study run --help");
     check_failure({"study", "run", study_file(folder, few_cells)}, 2, "--output");
     check_failure(run(study_file(folder, few_cells), folder + "/study.json"), 3, "cannot write");
     check_failure({"study", "collect", folder}, 3, "study.json: the document has no 'format'");
