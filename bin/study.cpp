@@ -42,13 +42,11 @@ void run_run(const StudyOptions& options) {
     const StudyPlan plan = read_study(options.file, program);
     if (options.dry_run) return print(list_study(plan, options.folder));
     const StudySummary summary = run_study(plan, program, options.folder, run);
+    const std::string shard = share.y == 1 ? "" : fmt::format(" of {} in shard {}/{}", summary.cells, share.x, share.y);
     if (!options.quiet)
-        print(fmt::format("{} cells{}: {} were there, {} computed{}; {}\n", summary.share,
-                          run.share.parts == 1
-                              ? ""
-                              : fmt::format(" of {} in shard {}/{}", summary.cells, run.share.part, run.share.parts),
-                          summary.there, summary.computed, summary.computed == 0 ? ", nothing to do" : "",
-                          tables_text(summary, options.folder)));
+        print(fmt::format("{} cell{}{}: {} there before, {} computed{}; {}\n", summary.share,
+                          summary.share == 1 ? "" : "s", shard, summary.there, summary.computed,
+                          summary.computed == 0 ? ", nothing to do" : "", tables_text(summary, options.folder)));
     report_failures(summary, options.folder);
 }
 

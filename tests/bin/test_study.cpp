@@ -98,22 +98,22 @@ TEST_CASE("a study that is killed again and again ends with the bytes of an undi
 
 TEST_CASE("a second run of a study does nothing", "[bin][study]") {
     const std::string folder = temporary_folder(), study = study_file(folder, few_cells), out = folder + "/out";
-    CHECK(check_success(run(study, out)).find("8 cells: 0 were there, 8 computed; tables in") == 0);
+    CHECK(check_success(run(study, out)).find("8 cells: 0 there before, 8 computed; tables in") == 0);
     const auto before = files_in(out);
-    CHECK(check_success(run(study, out)).find("8 cells: 8 were there, 0 computed, nothing to do") == 0);
+    CHECK(check_success(run(study, out)).find("8 cells: 8 there before, 0 computed, nothing to do") == 0);
     CHECK(files_in(out) == before);
     CHECK(check_success({"study", "collect", out}).find("8 of 8 cells") == 0);
     CHECK(files_in(out) == before);
     fs::rename(out, folder + "/moved");
     fs::create_directory(folder + "/elsewhere");
-    CHECK(check_success(run(study_file(folder + "/elsewhere", few_cells), folder + "/moved")).find("8 were there") !=
+    CHECK(check_success(run(study_file(folder + "/elsewhere", few_cells), folder + "/moved")).find("8 there before") !=
           std::string::npos);
 }
 
 TEST_CASE("shards of a study merge by copying", "[bin][study]") {
     const std::string folder = temporary_folder(), study = study_file(folder, many_cells);
     check_success(run(study, folder + "/whole"));
-    CHECK(check_success(run(study, folder + "/one", {"--shard", "1/2"})).find("42 cells of 84 in shard 1/2: 0 were") ==
+    CHECK(check_success(run(study, folder + "/one", {"--shard", "1/2"})).find("42 cells of 84 in shard 1/2: 0 there") ==
           0);
     check_success(run(study, folder + "/two", {"--shard", "2/2"}));
     CHECK_FALSE(fs::exists(folder + "/one/results.csv"));
@@ -123,7 +123,7 @@ TEST_CASE("shards of a study merge by copying", "[bin][study]") {
     fs::copy(folder + "/two", folder + "/one", fs::copy_options::recursive | fs::copy_options::overwrite_existing);
     check_success({"study", "collect", folder + "/one"});
     check_same(results_in(folder + "/one"), results_in(folder + "/whole"));
-    CHECK(check_success(run(study, folder + "/one")).find("84 were there, 0 computed") != std::string::npos);
+    CHECK(check_success(run(study, folder + "/one")).find("84 there before, 0 computed") != std::string::npos);
     check_failure(run(study, folder + "/one", {"--shard", "3/2"}), 2, "--shard");
 }
 
@@ -150,10 +150,10 @@ TEST_CASE("what a cut copy left of a cell or a truth is made again", "[bin][stud
     const std::string truth = lines_of(out + "/results.jsonl")[0]["reference"]["file"];
     fs::resize_file(out + "/cells/" + cell + "/visibility.exr", 300);
     fs::resize_file(out + "/" + truth, 300);
-    CHECK(check_success(run(study, out)).find("7 were there, 1 computed") != std::string::npos);
+    CHECK(check_success(run(study, out)).find("7 there before, 1 computed") != std::string::npos);
     check_same(results_in(out), whole);
     fs::resize_file(out + "/cells/" + cell + "/result.json", 30);
-    CHECK(check_success(run(study, out)).find("7 were there, 1 computed") != std::string::npos);
+    CHECK(check_success(run(study, out)).find("7 there before, 1 computed") != std::string::npos);
     check_same(results_in(out), whole);
 }
 
@@ -227,7 +227,7 @@ TEST_CASE("failed cells are recorded and do not stop the rest", "[bin][study]") 
     CHECK(files_in(out) == before);
     const ProgramRun again = run_gnomon(run(study, out, {"--retry-failed"}));
     CHECK(again.exit_code == 1);
-    CHECK(again.output.find("8 cells: 2 were there, 6 computed") == 0);
+    CHECK(again.output.find("8 cells: 2 there before, 6 computed") == 0);
     CHECK(results_in(out).size() == 8 + 2 + 1 + 3);
 }
 
@@ -245,11 +245,11 @@ TEST_CASE("a changed scene file computes only its own cells anew", "[bin][study]
     })");
     check_success(run(study, out));
     write_bytes(folder + "/a.glb", triangle(0.75f));
-    CHECK(check_success(run(study, out)).find("6 cells: 4 were there, 2 computed") == 0);
+    CHECK(check_success(run(study, out)).find("6 cells: 4 there before, 2 computed") == 0);
     write_bytes(folder + "/b.glb", triangle(0.75f)); // c.json refers to it
-    CHECK(check_success(run(study, out)).find("6 cells: 2 were there, 4 computed") == 0);
+    CHECK(check_success(run(study, out)).find("6 cells: 2 there before, 4 computed") == 0);
     write_bytes(folder + "/b.glb", triangle(0.25f)); // as it was
-    CHECK(check_success(run(study, out)).find("6 cells: 6 were there, 0 computed") == 0);
+    CHECK(check_success(run(study, out)).find("6 cells: 6 there before, 0 computed") == 0);
 }
 
 TEST_CASE("a dry run lists the rows of a study and writes nothing", "[bin][study]") {
@@ -261,6 +261,12 @@ TEST_CASE("a dry run lists the rows of a study and writes nothing", "[bin][study
     CHECK_FALSE(fs::exists(out));
     check_success(run(study, out));
     CHECK(check_success(run(study, out, {"--dry-run"})).find("there") == 0);
+}
+
+TEST_CASE("the studies that come with the program are good", "[bin][study]") {
+    const std::string folder = std::string(GNOMON_SOURCE) + "/data/studies";
+    for (const auto& entry : fs::directory_iterator(folder))
+        CHECK_FALSE(check_success(run(entry.path().string(), temporary_folder(), {"--dry-run"})).empty());
 }
 
 TEST_CASE("A bad study is one line that names the file and the place", "[bin][study]") {
