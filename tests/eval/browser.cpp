@@ -40,9 +40,9 @@ constexpr int patience_ms = 60'000; // a loaded machine is slow
 } // namespace
 
 std::string chromium_path() {
-    for (const char* path : {"/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"})
+    for (const char* path : {"/usr/bin/chromium", "/usr/bin/chromium-headless-shell"})
         if (access(path, X_OK) == 0) return path;
-    skip("no Chromium here (bin/setup installs Debian's package chromium)");
+    skip("no Chromium here (bin/setup installs Debian's chromium-headless-shell)");
     return "";
 }
 
