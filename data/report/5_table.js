@@ -124,6 +124,7 @@ function make_table(some, box, note) {
       const title = view && groups.length > 1 ? element('tr', {className: 'group'}, element('th', {scope: 'rowgroup', colSpan: across.length + 1, textContent: view.title})) : '';
       return element('tbody', {}, title, ...sorted(rows, across).map(row => body_row(row, across, marks)));
     });
+    box.style.setProperty('--columns', across.length);
     box.replaceChildren(element('caption', {className: 'unseen', textContent: note.dataset.caption}), head(across), ...bodies);
     const on = state.measure === 'visibility' ? 'visibility' : 'the shaded image', truths = new Set(in_views.map(view => view.reference?.title ?? ''));
     note.textContent = (truths.size === 1 && !truths.has('') ? `Errors of ${on} against ${[...truths][0]}. ` : '') +

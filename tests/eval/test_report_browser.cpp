@@ -302,6 +302,14 @@ double contrast(Browser& browser, const std::string& text, const std::string& gr
                             "')].sort((x, y) => y - x); return (a + 0.05) / (b + 0.05); })()");
 }
 
+// A4 across less its margins, at 96 dots an inch.
+constexpr int paper_width = 1032;
+
+double rightmost(Browser& browser) {
+    return browser.evaluate("Math.max(...[...document.querySelectorAll('table, svg, canvas, figure')].map(one => "
+                            "one.getBoundingClientRect().right))");
+}
+
 void check_contrasts(Browser& browser) {
     for (const char* text : {"--ink", "--soft", "--faint", "--accent", "--good", "--bad"})
         for (const char* ground : {"--paper", "--surface", "--raised"}) {
@@ -333,18 +341,15 @@ TEST_CASE("browser: a report is readable in light, in dark and on paper", "[brow
     CHECK(browser.evaluate("document.documentElement.dataset.theme") == "light");
     click_on(browser, "#theme");
 
-    // Paper is white and has no buttons, and nothing is wider than it: A4 across less its margins, at 96 dots per inch.
+    // Paper is white and has no buttons, and nothing is wider than it.
     browser.emulate("print", "dark");
-    browser.resize(1032, 720);
+    browser.resize(paper_width, 720);
     CHECK(browser.evaluate(ground) == "rgb(255, 255, 255)");
     check_contrasts(browser);
     for (const char* gone : {".top", ".toolbar", "#chips", ".skip"})
         CHECK(browser.evaluate(std::string("getComputedStyle(document.querySelector('") + gone + "')).display") ==
               "none");
-    CHECK(browser
-              .evaluate("Math.max(...[...document.querySelectorAll('table, svg, canvas, figure')].map(one => "
-                        "one.getBoundingClientRect().right))")
-              .get<double>() <= 1032.5);
+    CHECK(rightmost(browser) <= paper_width + 0.5);
     const std::string pdf = browser.print();
     CHECK(pdf.rfind("%PDF-", 0) == 0);
     browser.emulate("screen", "light");
@@ -354,6 +359,31 @@ TEST_CASE("browser: a report is readable in light, in dark and on paper", "[brow
     const ChannelImage picture = read_image(folder + "/report.png");
     CHECK(picture.width == 1440);
     CHECK(picture.height == 900);
+    CHECK(browser.complaints() == std::vector<std::string>{});
+}
+
+TEST_CASE("browser: a table of many metrics fits on paper", "[browser]") {
+    const std::string program = gnomon_tests::chromium_path();
+    if (program.empty()) return;
+    ReportData data;
+    data.views.resize(1);
+    for (int i = 0; i < 3; ++i) {
+        ReportEntry entry;
+        entry.id = std::to_string(i), entry.title = "percentage-closer filtering with a long name " + entry.id;
+        for (int metric = 0; metric < 24; ++metric)
+            entry.visibility_metrics.emplace_back("penumbra_width_error_" + std::to_string(metric), 0.125 * i);
+        data.entries.push_back(entry);
+    }
+    const std::string page = gnomon_tests::temporary_folder() + "/report.html";
+    write_report(page, data);
+    Browser browser(program);
+    browser.emulate("print", "light");
+    browser.resize(paper_width, 720);
+    browser.open(page, ready);
+    CHECK(browser.evaluate("document.querySelectorAll('.results thead th').length") == 25);
+    CHECK(rightmost(browser) <= paper_width + 0.5);
+    CHECK(browser.evaluate("Math.max(...[...document.querySelectorAll('.results td')].map(one => one.scrollWidth - "
+                           "one.clientWidth))") == 0);
     CHECK(browser.complaints() == std::vector<std::string>{});
 }
 
