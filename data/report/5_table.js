@@ -104,6 +104,7 @@ function make_table(some, box, note) {
       [...box.querySelectorAll('thead button')].find(one => one.textContent === title)?.focus();
     });
     const made = element('th', {scope: 'col', rowSpan: span}, button);
+    made.dataset.title = title; // printed in the button's place, which paper would show on its first page alone
     made.setAttribute('aria-sort', state.column !== id ? 'none' : state.descending ? 'descending' : 'ascending');
     return made;
   }

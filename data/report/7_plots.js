@@ -3,7 +3,7 @@
 
 function make_plot(some, box, start, measure) {
   const all = quantities.of(some, measure), varied = quantities.varied(some).filter(one => one.numeric);
-  const errors = all.filter(one => !one.cost), costs = all.filter(one => one.cost);
+  const errors = all.filter(one => !one.cost), costs = all.filter(one => one.cost && new Set(some.map(one.value).filter(value => value > 0)).size > 1);
   const across = [...varied.map(one => ({id: 'by ' + one.key, title: one.title, varied: one})), ...costs.map(one => ({id: one.id, title: one.axis, cost: one}))];
   const state = {error: quantities.default_error(all), across: across.find(one => one.id === start) ?? across.find(one => one.cost)};
   if (!errors.length || !state.across) return false;
