@@ -6,9 +6,11 @@ const report = JSON.parse(document.getElementById('report').textContent);
 const {entries, views} = report;
 const value_text = value => typeof value === 'string' ? value : JSON.stringify(value);
 
+// A view is called by what tells it from the others.
+const view_keys = ['scene', 'camera', 'light', 'size', 'truth'].filter(key => views.some(view => view[key] !== views[0][key]));
+const view_title = (view, left_out) => view_keys.filter(key => key !== left_out).map(key => view[key]).join(', ');
 for (const view of views) {
-  // A view is called by what tells it from the others.
-  view.title = ['scene', 'camera', 'light', 'size', 'truth'].filter(key => views.some(other => other[key] !== view[key])).map(key => view[key]).join(', ');
+  view.title = view_title(view);
   view.reference = entries[view.reference];
 }
 for (const entry of entries) {
@@ -16,6 +18,9 @@ for (const entry of entries) {
   const varied = Object.entries(entry.varied).map(([key, value]) => `${key} ${value_text(value)}`).join(', ');
   entry.name = entry.title + (varied ? ` (${varied})` : '');
 }
+// The entry with the image of this one: itself, or one in another block that is of the same cell.
+const with_images = new Map(entries.filter(entry => entry.cell && entry.visibility).map(entry => [entry.cell, entry]));
+const pictured_as = entry => entry.shaded || entry.visibility ? entry : with_images.get(entry.cell);
 const is_reference = entry => entry === entry.view.reference;
 for (const view of views) // those with images, the reference first
   view.shown = entries.filter(entry => entry.view === view && (entry.shaded || entry.visibility)).sort((a, b) => is_reference(b) - is_reference(a));

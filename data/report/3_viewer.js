@@ -288,7 +288,9 @@ const viewer = (() => {
   id('zoom-one').addEventListener('click', one_to_one);
 
   // Brings an entry and one of its layers into the panel, perhaps with a region (centre and side, in pixels) in view.
-  function open(entry, layer = entry.visibility ? 'visibility' : 'shaded', region = null) {
+  function open(wanted, layer = null, region = null) {
+    const entry = pictured_as(wanted);
+    layer ??= entry.visibility ? 'visibility' : 'shaded';
     set_view(entry.view);
     left.entry = entry;
     left.layer = layer;

@@ -1,10 +1,10 @@
 // The table of a block of entries, arranged as a paper's: rows are techniques in groups of one view, columns are metrics and
-// costs, or the values of a varied parameter, or the views. Sorted by any column; the best and the worst of each are marked.
+// costs, or the values of a varied parameter, or scenes, cameras, lights, image sizes. Sorted by any column; the best and the worst of each are marked.
 
 function make_table(some, box, note) {
   const varied = quantities.varied(some), in_views = [...new Set(some.map(entry => entry.view))];
   const axes = [{id: 'metrics', title: 'metrics and costs'}, ...varied.map(one => ({id: 'by ' + one.key, title: one.title, varied: one})),
-    ...(in_views.length > 1 ? [{id: 'views', title: 'views'}] : [])];
+    ...view_keys.filter(key => new Set(in_views.map(view => view[key])).size > 1).map(key => ({id: 'view ' + key, title: key === 'size' ? 'image size' : key, key}))];
   const state = {measure: quantities.measures[0]?.id ?? 'visibility', axis: axes[0], metric: null, column: null, descending: false};
   state.metric = quantities.default_error(quantities.of(some, state.measure));
 
@@ -12,9 +12,8 @@ function make_table(some, box, note) {
   function columns(all) {
     if (state.axis.id === 'metrics') return all.filter(one => !one.plot_only).map(quantity => ({id: quantity.id, title: quantity.title, hint: quantity.hint, quantity, entry_of: row => row.entry}));
     const quantity = all.find(one => one.id === state.metric) ?? all[0];
-    const values = state.axis.varied ? state.axis.varied.values.map(value_text) : in_views.map(view => String(views.indexOf(view)));
-    const titles = state.axis.varied ? values : in_views.map(view => view.title);
-    return values.map((value, i) => ({id: value, title: titles[i], hint: '', quantity, entry_of: row => row.by.get(value) ?? row.by.get(undefined)}));
+    const values = state.axis.varied ? state.axis.varied.values.map(value_text) : [...new Set(in_views.map(view => view[state.axis.key]))];
+    return values.map(value => ({id: value, title: value, hint: '', quantity, entry_of: row => row.by.get(value) ?? row.by.get(undefined)}));
   }
 
   // A row: {entry, label, by: the entry of each column}. What does not depend on the columns' parameter has one entry for all.
@@ -24,7 +23,7 @@ function make_table(some, box, note) {
     for (const entry of group) {
       const others = quantities.others(entry, key), row_key = JSON.stringify([entry.id, others]);
       if (!rows.has(row_key)) rows.set(row_key, {entry, label: entry.title + (others ? ` (${others})` : ''), by: new Map()});
-      const at = key ? entry.varied[key] : String(views.indexOf(entry.view));
+      const at = key ? entry.varied[key] : entry.view[state.axis.key];
       rows.get(row_key).by.set(at === undefined ? undefined : value_text(at), entry);
     }
     return [...rows.values()];
@@ -61,7 +60,7 @@ function make_table(some, box, note) {
       made.append(element('span', {className: 'failed', textContent: 'failed', title: entry.message}));
       return made;
     }
-    const text = value === undefined ? '–' : column.quantity.text(value), opens = entry?.visibility && state.axis.id !== 'metrics';
+    const text = value === undefined ? '–' : column.quantity.text(value), opens = entry && pictured_as(entry) && state.axis.id !== 'metrics';
     const shown = opens ? element('button', {type: 'button', textContent: text, title: 'Show its image'}) : element('span', {textContent: text});
     if (opens) shown.addEventListener('click', () => viewer.open(entry));
     made.append(shown);
@@ -80,7 +79,7 @@ function make_table(some, box, note) {
   }
 
   function body_row(row, all, marks) {
-    const number = row.entry.view.shown.indexOf(row.entry) + 1, pictured = state.axis.id === 'metrics' && number > 0;
+    const number = row.entry.view.shown.indexOf(pictured_as(row.entry)) + 1, pictured = state.axis.id === 'metrics' && number > 0;
     const name = element(pictured ? 'button' : 'span', {className: 'name'}, pictured ? element('span', {className: 'number', textContent: number}) : '', row.label);
     if (pictured) {
       Object.assign(name, {type: 'button', title: 'Show its image'});
@@ -119,10 +118,10 @@ function make_table(some, box, note) {
   function fill() {
     const all = quantities.of(some, state.measure);
     if (!all.length) { box.replaceChildren(); return; }
-    const across = columns(all), groups = state.axis.id === 'views' ? [null] : in_views;
-    const bodies = groups.map(view => {
-      const rows = rows_of(view ? some.filter(entry => entry.view === view) : some), marks = across.map(column => extremes(rows, column));
-      const title = view && groups.length > 1 ? element('tr', {className: 'group'}, element('th', {scope: 'rowgroup', colSpan: across.length + 1, textContent: view.title})) : '';
+    const across = columns(all), title_of = entry => view_title(entry.view, state.axis.key), groups = [...new Set(some.map(title_of))];
+    const bodies = groups.map(text => {
+      const rows = rows_of(some.filter(entry => title_of(entry) === text)), marks = across.map(column => extremes(rows, column));
+      const title = groups.length > 1 ? element('tr', {className: 'group'}, element('th', {scope: 'rowgroup', colSpan: across.length + 1, textContent: text})) : '';
       return element('tbody', {}, title, ...sorted(rows, across).map(row => body_row(row, across, marks)));
     });
     box.style.setProperty('--columns', across.length);
@@ -140,7 +139,7 @@ function make_table(some, box, note) {
     const metric = selection('Values', all.map(one => ({id: one.id, title: one.title})), state.metric, id => { state.metric = id; fill(); });
     const arrange = id => { state.axis = axes.find(axis => axis.id === id) ?? axes[0]; state.column = null; metric.hidden = id === 'metrics'; fill(); };
     const axis = selection('Columns', axes, state.axis.id, arrange);
-    const start = report.kind === 'study' ? axes.find(one => one.varied?.numeric) ?? axes[1] ?? axes[0] : axes[0];
+    const start = report.kind === 'study' ? axes.find(one => one.varied?.numeric) ?? axes.find(one => one.key === 'size') ?? axes[1] ?? axes[0] : axes[0];
     axis.querySelector('select').value = start.id;
     arrange(start.id);
     return [measure, axis, metric];

@@ -108,7 +108,7 @@ const plotting = (() => {
       if (lines && one.points.length > 1) parts.push(svg('path', {class: `line c${i % 8} d${(i / 8 | 0) % 3}`, d: path(one.points)}));
       for (const p of one.points) {
         [p.px, p.py] = [px(p.x), py(p.y)];
-        const words = `${p.entry.name}: ${y_title} ${p.y_text}, ${x_title} ${p.x_text}`, opens = Boolean(p.entry.visibility || p.entry.shaded);
+        const words = `${p.entry.name}: ${y_title} ${p.y_text}, ${x_title} ${p.x_text}`, opens = Boolean(pictured_as(p.entry));
         const dot = marker(i, {transform: `translate(${p.px.toFixed(1)} ${p.py.toFixed(1)})`, role: opens ? 'button' : 'img', 'aria-label': words}, svg('title', {}, words));
         if (opens) dot.addEventListener('click', () => viewer.open(p.entry));
         dots.push(dot);

@@ -77,7 +77,10 @@ StudyCell read_cell(const JsonReader& line) {
     cell.light = words(line, "light"), cell.size = words(line, "size"), cell.message = words(line, "message");
     cell.status = line.at("status").text();
     if (cell.status != "ok" && cell.status != "failed") line.at("status").fail("must be 'ok' or 'failed'");
-    cell.parameters = object(line, "parameters"), cell.varied = object(line, "varied");
+    cell.parameters = object(line, "parameters");
+    const nlohmann::ordered_json varied = object(line, "varied");
+    for (const auto& item : varied.items()) // what the reference varies tells views apart, not techniques
+        if (!item.key().starts_with("reference.")) cell.varied[item.key()] = item.value();
     if (line.has("reference") && !line.at("reference").value().is_null()) {
         const JsonReader reference = line.at("reference");
         reference.expect_object();
@@ -93,29 +96,41 @@ StudyCell read_cell(const JsonReader& line) {
     return cell;
 }
 
+// What a row is, whatever came out of it. Rows of several blocks may share a cell.
+std::string identity(const StudyCell& cell) {
+    const nlohmann::ordered_json parts = {cell.cell,           cell.block,
+                                          cell.scene,          cell.camera,
+                                          cell.light,          cell.size,
+                                          cell.varied,         cell.reference.technique,
+                                          cell.reference.file, cell.reference.parameters};
+    return parts.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 } // namespace
 
 std::vector<StudyCell> read_study_cells(const std::string& folder) {
     std::vector<StudyCell> cells;
-    std::map<std::string, size_t> places;
+    std::map<std::string, size_t> rows;
     for_each_line(folder + "/results.jsonl", [&](const JsonReader& line) {
         StudyCell cell = read_cell(line);
-        const auto [place, is_new] = places.emplace(cell.cell, cells.size());
+        const auto [row, is_new] = rows.emplace(identity(cell), cells.size());
         if (is_new)
             cells.push_back(std::move(cell));
         else
-            cells[place->second] = std::move(cell);
+            cells[row->second] = std::move(cell);
     });
     const std::string timings = folder + "/timings.jsonl";
     std::error_code ignored;
     if (!std::filesystem::exists(timings, ignored)) return cells;
+    std::map<std::string, std::pair<double, std::int64_t>> costs;
     for_each_line(timings, [&](const JsonReader& line) {
-        const auto place = places.find(line.at("cell").text());
-        if (place == places.end()) return;
-        StudyCell& cell = cells[place->second];
-        if (line.has("seconds")) cell.seconds = line.at("seconds").number(0.0, 1e12);
-        if (line.has("peak_bytes")) cell.peak_bytes = static_cast<std::int64_t>(line.at("peak_bytes").count());
+        std::pair<double, std::int64_t>& cost = costs[line.at("cell").text()];
+        if (line.has("seconds")) cost.first = line.at("seconds").number(0.0, 1e12);
+        if (line.has("peak_bytes")) cost.second = static_cast<std::int64_t>(line.at("peak_bytes").count());
     });
+    for (StudyCell& cell : cells)
+        if (const auto cost = costs.find(cell.cell); cost != costs.end())
+            cell.seconds = cost->second.first, cell.peak_bytes = cost->second.second;
     return cells;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The lines of a study's results, checked.
+// The lines of a study's results, checked. Each is a row of a table; rows of several blocks may share a cell.
 
 #include <cstdint>
 #include <string>
@@ -26,7 +26,7 @@ struct StudyCell {
     std::int64_t peak_bytes = 0;
 };
 
-// The cells of `folder` in the order of their first lines. A last line without its end, which a run that was killed
+// The rows of `folder` in the order of their first lines. A last line without its end, which a run that was killed
 // leaves, does not count. Throws InputError with file and line for what is not as study_report.h says.
 std::vector<StudyCell> read_study_cells(const std::string& folder);
 

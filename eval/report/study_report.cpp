@@ -115,15 +115,18 @@ double rank_of(const StudyCell& cell) {
     return std::numeric_limits<double>::infinity();
 }
 
+bool is_pictured(const StudyCell& cell) { return cell.status == "ok" && !cell.visibility.empty(); }
+
 // The cells whose images are wanted, most wanted first: of each view one technique's best after the other, so that all
 // views get some of a small budget, then the rest in their order.
 std::vector<size_t> wanted_cells(const StudyPage& page) {
     std::map<int, std::map<std::string, size_t>> best; // view, technique
-    const auto is_candidate = [&](size_t i) {
-        return page.cells[i].status == "ok" && !page.cells[i].visibility.empty();
-    };
+    std::set<std::string> shared;                      // several rows may be of one cell: the first has its image
+    std::vector<bool> candidates(page.cells.size());
+    for (size_t i = 0; i < page.cells.size(); ++i)
+        candidates[i] = is_pictured(page.cells[i]) && shared.insert(page.cells[i].cell).second;
     for (size_t i = 0; i < page.cells.size(); ++i) {
-        if (!is_candidate(i)) continue;
+        if (!candidates[i]) continue;
         const auto [found, is_new] = best[page.data.entries[i].view].try_emplace(page.cells[i].technique, i);
         if (!is_new && rank_of(page.cells[i]) < rank_of(page.cells[found->second])) found->second = i;
     }
@@ -139,7 +142,7 @@ std::vector<size_t> wanted_cells(const StudyPage& page) {
         }
     }
     for (size_t i = 0; i < page.cells.size(); ++i)
-        if (is_candidate(i) && !taken.contains(i)) order.push_back(i);
+        if (candidates[i] && !taken.contains(i)) order.push_back(i);
     return order;
 }
 
@@ -218,24 +221,25 @@ void load_images(StudyPage& page) {
 
 void fill_words(StudyPage& page) {
     ReportData& data = page.data;
-    const auto failed = static_cast<size_t>(std::count_if(
-        page.cells.begin(), page.cells.end(), [](const StudyCell& cell) { return cell.status == "failed"; }));
-    std::set<std::string> techniques;
-    for (const StudyCell& cell : page.cells) techniques.insert(cell.technique);
-    data.facts = {{"Cells", failed == 0 ? std::to_string(page.cells.size())
-                                        : fmt::format("{}, {} of them failed", page.cells.size(), failed)},
+    std::set<std::string> cells, failed, techniques;
+    for (const StudyCell& cell : page.cells) {
+        cells.insert(cell.cell), techniques.insert(cell.technique);
+        if (cell.status == "failed") failed.insert(cell.cell);
+    }
+    data.facts = {{"Cells", failed.empty() ? std::to_string(cells.size())
+                                           : fmt::format("{}, {} of them failed", cells.size(), failed.size())},
                   {"Blocks", std::to_string(data.blocks.size())},
                   {"Techniques", std::to_string(techniques.size())},
                   {"Views", std::to_string(data.views.size())}};
-    size_t pictured = 0, candidates = 0;
+    std::set<std::string> pictured, candidates;
     for (size_t i = 0; i < page.cells.size(); ++i) {
-        pictured += !data.entries[i].visibility.empty();
-        candidates += page.cells[i].status == "ok" && !page.cells[i].visibility.empty();
+        if (is_pictured(page.cells[i])) candidates.insert(page.cells[i].cell);
+        if (!data.entries[i].visibility.empty()) pictured.insert(page.cells[i].cell);
     }
-    if (pictured < candidates)
+    if (pictured.size() < candidates.size())
         data.notes.push_back(fmt::format("Images of {} of {} cells are on this page: of each technique and view first "
                                          "the cell with the lowest RMSE.",
-                                         pictured, candidates));
+                                         pictured.size(), candidates.size()));
     if (page.unreadable > 0)
         data.notes.push_back(fmt::format("{} images were missing, broken or of another size.", page.unreadable));
     std::error_code ignored;

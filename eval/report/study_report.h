@@ -6,7 +6,7 @@
 // FOLDER/results.jsonl, one cell a line: {"cell", "block", "scene", "camera", "light", "size", "technique",
 // "parameters", "varied", "reference": {"technique", "parameters", "file"}, "status", "message", "metrics", "counters",
 // "files": {"visibility"}}; FOLDER/timings.jsonl, if it is there: {"cell", "seconds", "peak_bytes"}. Of several lines
-// about one cell the last counts. File names are relative to the folder and stay inside it.
+// about one row the last counts; rows of several blocks may share a cell. File names are relative to the folder and stay inside it.
 
 #include <functional>
 #include <map>

@@ -134,11 +134,17 @@ TEST_CASE(
     "a study's report tells references apart, takes the last line about a cell and leaves out one without an end") {
     const std::string folder = sample_study();
     json again = cell_json("fencesm512", "maps", "fence", "sm", {{"size", 512}}, 0.0625);
+    json shared = cell_json("fencesm512", "one size", "fence", "sm", {{"reference.samples", 1024}}, 0.0625);
     json other = cell_json("other", "maps", "fence", "sm", {{"size", 512}}, 0.5);
     other["reference"]["parameters"]["samples"] = 64, other["files"] = nullptr;
-    append(folder, again.dump() + "\n\n" + other.dump() + "\n{\"cell\": \"half");
+    append(folder, again.dump() + "\n\n" + other.dump() + "\n" + shared.dump() + "\n{\"cell\": \"half");
     const ReportData data = study_report(folder, folder + "/report.html");
-    CHECK(data.entries.size() == 22 + 3);
+    REQUIRE(data.entries.size() == 23 + 3);
+    CHECK(data.entries[22].block == 2); // a row of its own, without a second copy of its cell's image
+    CHECK(data.entries[22].varied.empty());
+    CHECK(data.entries[22].seconds == 0.5);
+    CHECK(data.entries[22].visibility.empty());
+    CHECK(data.facts[0].second == "22, 1 of them failed");
     CHECK(data.entries[0].visibility_metrics[2] == std::pair<std::string, double>{"rmse", 0.0625});
     CHECK(data.entries[0].visibility_metrics[1].second ==
           static_cast<double>(infinity)); // null, as `compare --json` writes it
@@ -247,7 +253,7 @@ TEST_CASE("browser: a study's report arranges its blocks as a paper's tables", "
     // By metrics and by views.
     const std::string choose = "(id => { const box = document.querySelector('#errors .heading select'); box.value = "
                                "id; box.dispatchEvent(new Event('change')); })";
-    browser.evaluate(choose + "('views')");
+    browser.evaluate(choose + "('view scene')");
     CHECK(texts("#errors thead tr:nth-child(2) button") == json{"fence", "hall"});
     browser.evaluate(choose + "('metrics')");
     CHECK(texts("#errors thead button")[1] == "RMSE");
