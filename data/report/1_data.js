@@ -7,10 +7,10 @@ const {entries, views} = report;
 const value_text = value => typeof value === 'string' ? value : JSON.stringify(value);
 
 // A view is called by what tells it from the others.
-const view_keys = ['scene', 'camera', 'light', 'size', 'truth'].filter(key => views.some(view => view[key] !== views[0][key]));
-const view_title = (view, left_out) => view_keys.filter(key => key !== left_out).map(key => view[key]).join(', ');
+const view_keys = among => ['scene', 'camera', 'light', 'size', 'truth'].filter(key => among.some(view => view[key] !== among[0][key]));
+const view_title = (view, keys) => keys.map(key => view[key]).join(', ');
 for (const view of views) {
-  view.title = view_title(view);
+  view.title = view_title(view, view_keys(views));
   view.reference = entries[view.reference];
 }
 for (const entry of entries) {

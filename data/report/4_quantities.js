@@ -31,7 +31,7 @@ const quantities = (() => {
       const [read, written] = [counter(entry, 'bytes_read'), counter(entry, 'bytes_written')];
       return read === undefined && written === undefined ? undefined : (read ?? 0) + (written ?? 0);
     }, text: bytes, plot_only: true},
-    {id: 'memory', title: 'Memory', hint: 'render targets and scratch memory at their peak', axis: 'peak memory', value: entry => entry.peak_bytes || undefined, text: bytes},
+    {id: 'memory', title: 'Memory', hint: report.kind === 'study' ? 'the program’s memory at its peak' : 'render targets and scratch memory at their peak', axis: 'peak memory', value: entry => entry.peak_bytes || undefined, text: bytes},
     {id: 'seconds', title: 'Time', hint: 'seconds on the machine that made the images', axis: 'time on the machine that made the images', value: entry => entry.seconds || undefined, text: seconds},
   ];
 

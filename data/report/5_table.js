@@ -2,9 +2,9 @@
 // costs, or the values of a varied parameter, or scenes, cameras, lights, image sizes. Sorted by any column; the best and the worst of each are marked.
 
 function make_table(some, box, note) {
-  const varied = quantities.varied(some), in_views = [...new Set(some.map(entry => entry.view))];
+  const varied = quantities.varied(some), in_views = [...new Set(some.map(entry => entry.view))], keys = view_keys(in_views);
   const axes = [{id: 'metrics', title: 'metrics and costs'}, ...varied.map(one => ({id: 'by ' + one.key, title: one.title, varied: one})),
-    ...view_keys.filter(key => new Set(in_views.map(view => view[key])).size > 1).map(key => ({id: 'view ' + key, title: key === 'size' ? 'image size' : key, key}))];
+    ...keys.map(key => ({id: 'view ' + key, title: key === 'size' ? 'image size' : key, key}))];
   const state = {measure: quantities.measures[0]?.id ?? 'visibility', axis: axes[0], metric: null, column: null, descending: false};
   state.metric = quantities.default_error(quantities.of(some, state.measure));
 
@@ -118,7 +118,7 @@ function make_table(some, box, note) {
   function fill() {
     const all = quantities.of(some, state.measure);
     if (!all.length) { box.replaceChildren(); return; }
-    const across = columns(all), title_of = entry => view_title(entry.view, state.axis.key), groups = [...new Set(some.map(title_of))];
+    const across = columns(all), title_of = entry => view_title(entry.view, keys.filter(key => key !== state.axis.key)), groups = [...new Set(some.map(title_of))];
     const bodies = groups.map(text => {
       const rows = rows_of(some.filter(entry => title_of(entry) === text)), marks = across.map(column => extremes(rows, column));
       const title = groups.length > 1 ? element('tr', {className: 'group'}, element('th', {scope: 'rowgroup', colSpan: across.length + 1, textContent: text})) : '';

@@ -47,11 +47,11 @@ function make_plot(some, box, start, measure) {
     const ys = errors.find(one => one.id === state.error) ?? errors[0], series = series_of(ys), points = series.flatMap(one => one.points);
     if (!points.length) { figure.replaceChildren(element('p', {className: 'note', textContent: 'Nothing to plot for this choice.'})); return; }
     const x = x_axis(points), y = y_axis(points, ys), lines = Boolean(state.across.varied), shown = [...new Set(points.map(p => p.entry.view))];
-    const alone = shown.length === 1, direct = alone && !lines && points.length <= 14;
+    const keys = view_keys([...new Set(some.map(entry => entry.view))]), alone = shown.length === 1, direct = alone && !lines && points.length <= 14;
     const direction = ys.lower === null ? '' : ys.lower ? ' (lower is better)' : ' (higher is better)';
     const diagrams = shown.map(view => {
       const own = series.map(one => ({...one, points: one.points.filter(p => p.entry.view === view)}));
-      return plotting.diagram({title: alone ? '' : view.title, series: own, x, y, x_title: state.across.title, y_title: ys.axis + direction, lines, lower: ys.lower !== false, direct,
+      return plotting.diagram({title: alone ? '' : view_title(view, keys), series: own, x, y, x_title: state.across.title, y_title: ys.axis + direction, lines, lower: ys.lower !== false, direct,
         guide: guide_for(own.filter(one => one.points.length), x, y), width: alone ? 1160 : 640, height: alone ? 400 : 360});
     });
     figure.className = alone ? 'diagrams' : 'diagrams many';

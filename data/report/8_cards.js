@@ -2,8 +2,8 @@
 
 const cards = (() => {
   const counters = ['draws', 'vertices', 'triangles', 'culled', 'clipped', 'fragments_covered', 'fragments_passed', 'fragments_shaded', 'texels_fetched', 'bytes_read', 'bytes_written', 'rays', 'seconds'];
-  const counter_titles = {fragments_covered: 'covered', fragments_passed: 'passed', fragments_shaded: 'shaded', texels_fetched: 'texels', bytes_read: 'read', bytes_written: 'written', seconds: 'time'};
-  const counter_text = (counter, value) => typeof value !== 'number' ? '–' : counter === 'seconds' ? seconds(value) : counter.startsWith('bytes') ? bytes(value) : grouped(value);
+  const counter_titles = {fragments_covered: 'covered', fragments_passed: 'passed', fragments_shaded: 'shaded', texels_fetched: 'texels', bytes_read: 'read', bytes_written: 'written', target_bytes: 'targets', seconds: 'time'};
+  const counter_text = (counter, value) => typeof value !== 'number' ? '–' : counter === 'seconds' ? seconds(value) : counter.includes('bytes') ? bytes(value) : grouped(value);
 
   function passes(entry) {
     const lines = entry.counters ? [{name: 'all passes', ...entry.counters}] : entry.passes;
