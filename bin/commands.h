@@ -13,6 +13,7 @@ namespace gnomon {
 void add_render_command(CLI::App& program, const std::string& command_line); // the line goes into reports
 void add_truth_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
+void add_study_command(CLI::App& program);
 void add_list_command(CLI::App& program);
 void add_help_command(CLI::App& program);
 void add_export_command(CLI::App& program);

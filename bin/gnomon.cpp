@@ -73,13 +73,10 @@ void add_commands(CLI::App& program, const std::string& line) {
     add_render_command(program, line);
     add_truth_command(program);
     add_compare_command(program);
+    add_study_command(program);
     add_list_command(program);
     add_help_command(program);
     add_export_command(program);
-    CLI::App* study =
-        program.add_subcommand("study", "many cells: scenes x cameras x lights x techniques x parameters");
-    study->require_subcommand(1);
-    add_study_report_command(*study);
     add_completion_command(program);
 }
 
