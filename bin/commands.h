@@ -19,4 +19,7 @@ void add_help_command(CLI::App& program);
 void add_export_command(CLI::App& program);
 void add_completion_command(CLI::App& program);
 
+// Sub-commands of `gnomon study`.
+void add_study_report_command(CLI::App& study);
+
 } // namespace gnomon

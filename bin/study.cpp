@@ -97,6 +97,7 @@ void add_study_command(CLI::App& program) {
     study->require_subcommand(1);
     add_run(*study, options);
     add_collect(*study, options);
+    add_study_report_command(*study);
 }
 
 } // namespace gnomon
