@@ -38,5 +38,6 @@ private:
 
 void bench_raster(Bench& bench);
 void bench_truth(Bench& bench);
+void bench_eval(Bench& bench);
 
 } // namespace gnomon_bench
