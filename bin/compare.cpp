@@ -1,6 +1,8 @@
 // gnomon compare: two images, or two sequences of them, all the numbers.
 
 #include <algorithm>
+#include <array>
+#include <exception>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -120,12 +122,28 @@ void report(const CompareCommandOptions& options, const CompareRequest& request,
     check_bounds(comparison, request.bounds);
 }
 
+// Both at once: decoding takes longer than most metrics. Where neither can be read, the error is the test's.
+std::pair<ChannelImage, ChannelImage> read_images(const std::string& test, const std::string& reference) {
+    std::array<ChannelImage, 2> images;
+    std::array<std::exception_ptr, 2> errors;
+    parallel_for(2, 1, [&](size_t i, size_t) {
+        try {
+            images[i] = read_image(i == 0 ? test : reference);
+        } catch (...) {
+            errors[i] = std::current_exception();
+        }
+    });
+    for (const std::exception_ptr& error : errors)
+        if (error) std::rethrow_exception(error);
+    match_encodings(images[0], images[1]);
+    return {std::move(images[0]), std::move(images[1])};
+}
+
 void compare_sequences(const CompareCommandOptions& options, const CompareRequest& request) {
     if (!options.map.empty()) throw UsageError("--map goes with two images, not with sequences of them");
     SequenceComparer comparer(request.options);
     for (const FramePair& frame : pair_frames(options.test, options.reference)) {
-        ChannelImage test = read_image(frame.test), reference = read_image(frame.reference);
-        match_encodings(test, reference);
+        const auto [test, reference] = read_images(frame.test, frame.reference);
         comparer.add(frame.name, frame.test, test, frame.reference, reference,
                      make_mask(request.masks, frame.test, test, frame.reference, reference));
     }
@@ -134,8 +152,7 @@ void compare_sequences(const CompareCommandOptions& options, const CompareReques
 }
 
 void compare_images(const CompareCommandOptions& options, CompareRequest& request) {
-    ChannelImage test = read_image(options.test), reference = read_image(options.reference);
-    match_encodings(test, reference);
+    const auto [test, reference] = read_images(options.test, options.reference);
     request.options.mask = make_mask(request.masks, options.test, test, options.reference, reference);
     const Comparison comparison = compare(test, reference, request.options);
     if (!options.map.empty()) write_map(options.map, test, reference, request);

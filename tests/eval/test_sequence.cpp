@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "eval/sequence.h"
+#include "tests/eval/channels.h"
 
 using namespace gnomon;
 
@@ -34,9 +35,7 @@ void add_receivers(ChannelImage& image, int offset) {
 }
 
 double value_of(const SequenceComparison& sequence, const std::string& id) {
-    for (const auto& [name, value] : sequence.whole.metrics)
-        if (name == id) return value;
-    return std::nan("");
+    return gnomon_tests::value_of(sequence.whole, id);
 }
 
 SequenceComparison compared(const std::vector<std::pair<ChannelImage, ChannelImage>>& frames) {
