@@ -99,10 +99,11 @@ void write_map(const std::string& path, const ChannelImage& test, const ChannelI
                CompareRequest& request) {
     const ComparedValues compared = compared_values(test, reference, request.options);
     const ErrorMapKind kind = request.map.kind;
-    Image<float> values = kind == ErrorMapKind::Flip ? compared_flip(test, reference, request.options)
-                                                     : error_values(kind, compared.test, compared.reference);
+    auto [values, what] = kind == ErrorMapKind::Flip
+                              ? compared_flip(test, reference, request.options)
+                              : MapValues{error_values(kind, compared.test, compared.reference), compared.what};
     if (extension(path) == ".png") {
-        request.map.title = compared.what;
+        request.map.title = what;
         return write_png(path, draw_error_values(values, compared.reference, compared.mask, request.map));
     }
     ChannelImage numbers;

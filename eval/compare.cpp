@@ -188,24 +188,27 @@ ComparedValues compared_values(const ChannelImage& test, const ChannelImage& ref
     return values;
 }
 
-Image<float> compared_flip(const ChannelImage& test, const ChannelImage& reference, const CompareOptions& options) {
+MapValues compared_flip(const ChannelImage& test, const ChannelImage& reference, const CompareOptions& options) {
     const std::vector<ChannelGroup> groups = select_channels(test, reference, options);
     Image<float> mean(test.width, test.height, 0.0f), counts(test.width, test.height, 0.0f);
-    bool any = false;
+    std::string what;
     for (const ChannelGroup& group : groups) {
         const auto color = group.color();
         if (!color) continue;
-        any = true;
-        const Image<float> map = applies(Domain::SceneLinear, group) ? flip_hdr_map(*color) : flip_map(*color);
+        const bool hdr = applies(Domain::SceneLinear, group);
+        if (what.empty()) what = hdr ? "HDR-FLIP" : "FLIP";
+        for (const ComparedChannel& channel : group.channels) what += " " + channel.name;
+        const Image<float> map = hdr ? flip_hdr_map(*color) : flip_map(*color);
         for (size_t i = 0; i < map.size(); ++i) {
             if (std::isnan(map.values()[i])) continue;
             mean.values()[i] += map.values()[i];
             counts.values()[i] += 1.0f;
         }
     }
-    if (!any) throw InputError(fmt::format("the channels of '{}' that are compared are no picture", options.test_name));
+    if (what.empty())
+        throw InputError(fmt::format("the channels of '{}' that are compared are no picture", options.test_name));
     for (size_t i = 0; i < mean.size(); ++i) mean.values()[i] /= counts.values()[i]; // NaN where none takes part
-    return mean;
+    return {std::move(mean), what};
 }
 
 nlohmann::ordered_json metrics_json(const std::vector<std::pair<std::string, double>>& values) {

@@ -45,9 +45,15 @@ struct ComparedValues {
 ComparedValues compared_values(const ChannelImage& test, const ChannelImage& reference,
                                const CompareOptions& options = {});
 
+// The numbers of a map and its title, such as "HDR-FLIP R G B".
+struct MapValues {
+    Image<float> values;
+    std::string what;
+};
+
 // The mean of the FLIP maps of all that is compared, HDR-FLIP where it is scene-linear colour; NaN outside the mask and
 // where a value is missing. Throws InputError where nothing that is compared is a picture.
-Image<float> compared_flip(const ChannelImage& test, const ChannelImage& reference, const CompareOptions& options = {});
+MapValues compared_flip(const ChannelImage& test, const ChannelImage& reference, const CompareOptions& options = {});
 
 // {"test", "reference", "channels", "pixels", "masked", "missing", "metrics": {…}, "confusion": {"classes", "pixels"}};
 // an infinite value is null.

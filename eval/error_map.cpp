@@ -44,7 +44,7 @@ const Look& look_of(ErrorMapKind kind) {
     static const Look looks[error_map_kinds] = {
         {"signed", blue_white_red(), true, "test - reference: blue under, red over"},
         {"magnitude", magma(), false, "|test - reference|"},
-        {"flip", magma(), false, "FLIP, visible difference"},
+        {"flip", magma(), false, "visible difference"},
         {"overlay", shadow_and_light(), true, "blue false shadow, orange to red leak"},
         {"false-color", blue_green_red(), false, "|test - reference|"},
     };

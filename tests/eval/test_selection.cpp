@@ -123,7 +123,9 @@ TEST_CASE("a colour's map shows luminance, and FLIP where it is a picture") {
     const ComparedValues values = compared_values(test, truth);
     CHECK(values.what == "luminance");
     CHECK(values.test(3, 3) == 0.2126f);
-    const Image<float> map = compared_flip(test, test);
+    CHECK(compared_flip(test, test).what == "HDR-FLIP R G B");
+    CHECK(compared_flip(with_channels({{"V", 1.0f}}), with_channels({{"V", 1.0f}})).what == "FLIP V");
+    const Image<float> map = compared_flip(test, test).values;
     CHECK(*std::max_element(map.values().begin(), map.values().end()) == 0.0f);
     CompareOptions data;
     data.channels = {"Z"};
