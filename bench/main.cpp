@@ -14,8 +14,10 @@ struct Group {
     const char* name;
     void (*run)(gnomon_bench::Bench&);
 };
-constexpr Group groups[] = {
-    {"raster", gnomon_bench::bench_raster}, {"truth", gnomon_bench::bench_truth}, {"eval", gnomon_bench::bench_eval}};
+constexpr Group groups[] = {{"raster", gnomon_bench::bench_raster},
+                            {"truth", gnomon_bench::bench_truth},
+                            {"passes", gnomon_bench::bench_passes},
+                            {"eval", gnomon_bench::bench_eval}};
 
 } // namespace
 
