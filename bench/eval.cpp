@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -127,42 +128,56 @@ Output ours(const std::string& test, const std::string& reference, const std::st
                 std::to_string(threads)});
 }
 
-// The program's RMSE beside the peer's; the whole of `metrics` is computed.
-void bench_pair(Bench& bench, const std::string& name, const std::string& test, const std::string& reference,
-                const std::string& metrics, const std::string& peer, const std::vector<std::string>& peer_command,
-                const std::string& words, double tolerance) {
-    const std::string benchmark = fmt::format("eval {} {}x{}", name, width, height);
-    if (!bench.wanted(benchmark)) return;
-    if (!is_installed(peer_command[0])) {
-        fmt::print(stderr, "gnomon-bench: {} is left out: {} is not installed\n", benchmark, peer_command[0]);
+// One comparison by both; the RMSE that they find must agree.
+struct Duel {
+    const char* name;
+    bool of_color;
+    const char* metrics; // of ours
+    const char* peer;
+    const char* words; // before the peer's RMSE
+    double tolerance;
+
+    std::string benchmark() const { return fmt::format("eval {} {}x{}", name, width, height); }
+};
+constexpr const char* image_magick = "compare -metric RMSE";
+constexpr const char* rms_error = "RMS error = ";
+constexpr Duel duels[] = {
+    {"rmse", true, "rmse", image_magick, "(", 1e-3}, // it rounds to 16 bits
+    {"mae,rmse,psnr,max", true, "mae,rmse,psnr,max", "oiiotool --diff", rms_error, 1e-4},
+    {"all metrics of a colour", true, "all", "oiiotool --diff (four)", rms_error, 1e-4},
+    {"all metrics of visibility", false, "all", "oiiotool --diff (four)", rms_error, 1e-4},
+};
+
+std::vector<std::string> peer_command(const Duel& duel, const std::string& test, const std::string& reference) {
+    if (duel.peer == image_magick) return {"compare", "-metric", "RMSE", test, reference, "null:"};
+    return {"oiiotool", "--threads", std::to_string(threads), test, reference, "--diff"};
+}
+
+void fight(Bench& bench, const Duel& duel, const std::string& test, const std::string& reference) {
+    const std::string benchmark = duel.benchmark();
+    const std::vector<std::string> command = peer_command(duel, test, reference);
+    if (!is_installed(command[0])) {
+        fmt::print(stderr, "gnomon-bench: {} is left out: {} is not installed\n", benchmark, command[0]);
         return;
     }
     Output mine, theirs;
     bench.run(
-        benchmark, [&] { mine = ours(test, reference, metrics); }, peer,
-        [&] { theirs = run(peer_command, 2); }); // 1, 2: the images differ
-    bench.agree(benchmark, number_after(mine.text, "\"rmse\":"), number_after(theirs.text, words), tolerance);
+        benchmark, [&] { mine = ours(test, reference, duel.metrics); }, duel.peer,
+        [&] { theirs = run(command, 2); }); // 1, 2: the images differ
+    bench.agree(benchmark, number_after(mine.text, "\"rmse\":"), number_after(theirs.text, duel.words), duel.tolerance);
     fmt::print(stderr, "{}: at most {:.0f} MiB resident, the peer {:.0f}\n", benchmark, mine.peak_mib, theirs.peak_mib);
 }
 
 } // namespace
 
 void bench_eval(Bench& bench) {
-    if (!bench.wanted("eval")) return;
-    const Files files;
-    const auto difference = [](const std::string& test, const std::string& reference) {
-        return std::vector<std::string>{"oiiotool", "--threads", std::to_string(threads), test, reference, "--diff"};
-    };
-    bench_pair(bench, "rmse", files.color_test, files.color_reference, "rmse", "compare -metric RMSE",
-               {"compare", "-metric", "RMSE", files.color_test, files.color_reference, "null:"}, "(", 1e-3);
-    const std::vector<std::string> color = difference(files.color_test, files.color_reference),
-                                   visibility = difference(files.visibility_test, files.visibility_reference);
-    bench_pair(bench, "mae,rmse,psnr,max", files.color_test, files.color_reference, "mae,rmse,psnr,max",
-               "oiiotool --diff", color, "RMS error = ", 1e-4);
-    bench_pair(bench, "all metrics of a colour", files.color_test, files.color_reference, "all",
-               "oiiotool --diff (four)", color, "RMS error = ", 1e-4);
-    bench_pair(bench, "all metrics of visibility", files.visibility_test, files.visibility_reference, "all",
-               "oiiotool --diff (four)", visibility, "RMS error = ", 1e-4);
+    std::optional<Files> files; // written for those that are wanted
+    for (const Duel& duel : duels) {
+        if (!bench.wanted(duel.benchmark())) continue;
+        if (!files) files.emplace();
+        fight(bench, duel, duel.of_color ? files->color_test : files->visibility_test,
+              duel.of_color ? files->color_reference : files->visibility_reference);
+    }
 }
 
 } // namespace gnomon_bench
