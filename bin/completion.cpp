@@ -31,16 +31,23 @@ constexpr const char* script = R"(_gnomon() {{
 complete -o default -F _gnomon gnomon
 )";
 
+// The options of a command, and its sub-commands with theirs, each after a blank.
+std::string words_of(const CLI::App& command) {
+    std::string words;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) words += " --" + name;
+    for (const CLI::App* inner : command.get_subcommands([](const CLI::App*) { return true; }))
+        words += " " + inner->get_name() + words_of(*inner);
+    return words;
+}
+
 std::string script_text(const CLI::App& program) {
     std::vector<std::string> commands, ids, scenes, measures;
     std::string cases;
     for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) {
         commands.push_back(command->get_name());
-        std::string options;
-        for (const CLI::Option* option : command->get_options())
-            for (const std::string& name : option->get_lnames()) options += " --" + name;
-        cases +=
-            fmt::format("        {}) words=\"{}\" ;;\n", command->get_name(), options.substr(options.empty() ? 0 : 1));
+        const std::string words = words_of(*command);
+        cases += fmt::format("        {}) words=\"{}\" ;;\n", command->get_name(), words.substr(words.empty() ? 0 : 1));
     }
     for (const Entry& entry : techniques()) ids.push_back(entry.info.id);
     for (const BuiltinScene& scene : builtin_scenes()) scenes.push_back(scene.name);

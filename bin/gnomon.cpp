@@ -15,11 +15,12 @@
 namespace gnomon {
 namespace {
 
-constexpr const char* footer =
-    "Exit codes: 0 done, 1 a --fail-above bound was crossed, 2 wrong usage, 3 bad input, 4 a failure "
-    "of the program, 130 or 143 interrupted (gnomon truth can be resumed).\n`gnomon COMMAND --help` shows a command's "
-    "options, `gnomon list` and `gnomon "
-    "help NAME` the techniques, scenes and metrics.";
+constexpr const char* footer = "Exit codes: 0 done, 1 a --fail-above bound was crossed or cells of a study failed, 2 "
+                               "wrong usage, 3 bad input, 4 a "
+                               "failure of the program, 130 or 143 interrupted (gnomon truth and gnomon study can go "
+                               "on).\n`gnomon COMMAND --help` shows a command's "
+                               "options, `gnomon list` and `gnomon "
+                               "help NAME` the techniques, scenes and metrics.";
 
 std::vector<std::string> command_names(const CLI::App& program) {
     std::vector<std::string> names;
@@ -35,22 +36,27 @@ std::vector<std::string> option_names(const CLI::App& command) {
     return names;
 }
 
+// The innermost command that was named, and how: "", " render", " study run".
+std::pair<const CLI::App*, std::string> named_command(const CLI::App& program) {
+    const CLI::App* command = &program;
+    std::string where;
+    for (std::vector<CLI::App*> chosen; !(chosen = command->get_subcommands()).empty(); command = chosen.front())
+        where += " " + chosen.front()->get_name();
+    return {command, where};
+}
+
 // The parser's own sentence, made more helpful where a word was not understood.
 std::string explain(const CLI::App& program, const CLI::ParseError& error) {
-    const std::vector<CLI::App*> chosen = const_cast<CLI::App&>(program).get_subcommands();
-    const std::vector<std::string> unknown = program.remaining(true);
-    const std::string where = chosen.empty() ? "" : " " + chosen.front()->get_name();
+    const auto& [command, where] = named_command(program);
+    const std::vector<std::string> unknown = program.remaining(true), commands = command_names(*command);
     const std::string hint = fmt::format(" (gnomon{} --help shows the usage)", where);
-    if (unknown.empty() && chosen.empty()) return "a command is missing" + hint;
+    if (unknown.empty() && !commands.empty()) return "a command is missing" + hint;
     if (unknown.empty()) return error.what() + hint;
     const std::string& word = unknown.front();
     if (word.size() > 1 && word.front() == '-')
-        return fmt::format(
-            "there is no option '{}'{}{}", word,
-            did_you_mean(word.substr(0, word.find('=')), option_names(chosen.empty() ? program : *chosen.front())),
-            hint);
-    if (chosen.empty())
-        return fmt::format("there is no command '{}'{}{}", word, did_you_mean(word, command_names(program)), hint);
+        return fmt::format("there is no option '{}'{}{}", word,
+                           did_you_mean(word.substr(0, word.find('=')), option_names(*command)), hint);
+    if (!commands.empty()) return fmt::format("there is no command '{}'{}{}", word, did_you_mean(word, commands), hint);
     return fmt::format("the argument '{}' was not expected{}", word, hint);
 }
 
@@ -73,6 +79,7 @@ void add_commands(CLI::App& program, const std::string& line) {
     add_render_command(program, line);
     add_truth_command(program);
     add_compare_command(program);
+    add_study_command(program);
     add_list_command(program);
     add_help_command(program);
     add_export_command(program);

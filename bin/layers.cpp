@@ -74,6 +74,16 @@ std::string light_channel(const std::string& channel, const std::string& light, 
     return light_count == 1 ? channel : light + "." + channel;
 }
 
+void add_visibility(ChannelImage& layers, const Frame& frame, const std::vector<Light>& lights,
+                    const std::vector<LitImage>& images) {
+    for (size_t i = 0; i < images.size(); ++i) {
+        layers.add(light_channel("V", images[i].light, images.size()), images[i].visibility.values);
+        layers.add(light_channel("M", images[i].light, images.size()), light_mask(frame.receivers(), lights[i]));
+        for (const NamedImage& layer : images[i].visibility.layers)
+            layers.add(light_channel(layer.name, images[i].light, images.size()), layer.values);
+    }
+}
+
 ChannelImage make_layers(const RenderRequest& request, const Frame& frame, const std::vector<Light>& lights,
                          const Image<vec3>& radiance, const std::vector<LitImage>& images,
                          const std::map<std::string, Attribute>& attributes) {
@@ -81,12 +91,7 @@ ChannelImage make_layers(const RenderRequest& request, const Frame& frame, const
     layers.width = frame.width(), layers.height = frame.height();
     layers.attributes = attributes;
     layers.add_color("", radiance, true);
-    for (size_t i = 0; i < images.size(); ++i) {
-        layers.add(light_channel("V", images[i].light, images.size()), images[i].visibility.values);
-        layers.add(light_channel("M", images[i].light, images.size()), light_mask(frame.receivers(), lights[i]));
-        for (const NamedImage& layer : images[i].visibility.layers)
-            layers.add(light_channel(layer.name, images[i].light, images.size()), layer.values);
-    }
+    add_visibility(layers, frame, lights, images);
     add_aovs(layers, request.aovs, frame.gbuffer());
     if (request.debug_images)
         for (const LitImage& image : images)

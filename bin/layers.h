@@ -22,6 +22,10 @@ Image<float> light_mask(const Receivers& receivers, const Light& light);
 // "V" for the only light, "<light>.V" for one of several; the same for the mask "M".
 std::string light_channel(const std::string& channel, const std::string& light, size_t light_count);
 
+// V, M and the technique's other layers of every light.
+void add_visibility(ChannelImage& layers, const Frame& frame, const std::vector<Light>& lights,
+                    const std::vector<LitImage>& images);
+
 // R, G, B, then V, M and the technique's other layers of every light, then the AOVs, then debug images of the size of
 // the frame. Other debug images go to files of their own, see write_debug_images.
 ChannelImage make_layers(const RenderRequest& request, const Frame& frame, const std::vector<Light>& lights,

@@ -14,14 +14,9 @@ namespace {
 constexpr const char* share_key = "gnomon:tiles";
 constexpr const char* run_key = "gnomon:run";
 
-TileShare parse_share(const std::string& text, const std::string& what) {
-    const size_t slash = text.find('/');
-    if (slash == std::string::npos)
-        throw UsageError(fmt::format("{} is '{}', but must be PART/PARTS such as 1/4", what, text));
-    TileShare share;
-    share.parts = parse_integer(text.substr(slash + 1), what, 1, 1 << 20);
-    share.part = parse_integer(text.substr(0, slash), what, 1, share.parts);
-    return share;
+TileShare parse_tiles(const std::string& text, const std::string& what) {
+    const ivec2 share = parse_share(text, what);
+    return {share.x, share.y};
 }
 
 // What this program wrote into the header; the rest is the file format's.
@@ -47,7 +42,7 @@ Share read_share(const std::string& path) {
     if (!text || !share.image.attributes.contains(run_key))
         throw InputError(fmt::format("'{}' is no share of an image: gnomon truth --tiles makes them", path));
     try {
-        share.tiles = parse_share(*text, share_key);
+        share.tiles = parse_tiles(*text, share_key);
     } catch (const UsageError& error) {
         throw InputError(fmt::format("cannot use '{}': {}", path, error.what()));
     }
@@ -110,7 +105,7 @@ LongRun read_long_run_options(const LongRunOptions& options) {
     run.resume = options.resume;
     run.keep_state = options.keep_state;
     run.seconds_between_saves = parse_real(options.save_every, "--save-every", 0, 86400);
-    if (!options.tiles.empty()) run.share = parse_share(options.tiles, "--tiles");
+    if (!options.tiles.empty()) run.share = parse_tiles(options.tiles, "--tiles");
     return run;
 }
 

@@ -189,10 +189,15 @@ SceneRequest read_scene_options(const SceneOptions& options) {
 }
 
 Stage load_stage(const SceneRequest& request) {
-    Stage stage;
-    stage.scene = load_scene(request.scene);
+    Scene scene = load_scene(request.scene);
     if (!request.quiet)
-        for (const std::string& warning : stage.scene.warnings) print_message("warning: " + warning);
+        for (const std::string& warning : scene.warnings) print_message("warning: " + warning);
+    return make_stage(std::move(scene), request);
+}
+
+Stage make_stage(Scene scene, const SceneRequest& request) {
+    Stage stage;
+    stage.scene = std::move(scene);
     stage.camera = choose_camera(request, stage.scene);
     stage.lights = choose_lights(request, stage.scene);
     return stage;

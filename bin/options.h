@@ -54,5 +54,7 @@ struct Stage {
 // Loads the scene, prints its warnings to standard error unless quiet, and settles camera and lights. Throws
 // InputError, UsageError.
 Stage load_stage(const SceneRequest& request);
+// The same for a scene that is loaded already; prints nothing.
+Stage make_stage(Scene scene, const SceneRequest& request);
 
 } // namespace gnomon

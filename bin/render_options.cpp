@@ -41,11 +41,6 @@ vec3 read_ambient(const std::string& text) {
     return value;
 }
 
-bool read_progress(const std::string& text, bool quiet) {
-    const size_t choice = parse_choice(text, "--progress", {"auto", "on", "off"});
-    return !quiet && (choice == 1 || (choice == 0 && standard_error_is_terminal()));
-}
-
 std::vector<TechniqueRequest> read_techniques(const std::vector<std::string>& specifications) {
     std::vector<TechniqueRequest> requests;
     for (const std::string& specification : specifications)
@@ -95,6 +90,15 @@ void add_image_options(CLI::App& command, RenderOptions& options) {
         ->capture_default_str();
 }
 
+bool read_progress(const std::string& text, bool quiet) {
+    const size_t choice = parse_choice(text, "--progress", {"auto", "on", "off"});
+    return !quiet && (choice == 1 || (choice == 0 && standard_error_is_terminal()));
+}
+
+Primary parse_primary(const std::string& text, const std::string& what) {
+    return parse_choice(text, what, {"raster", "ray"}) == 0 ? Primary::Raster : Primary::Ray;
+}
+
 TechniqueRequest read_technique(const std::string& specification) {
     const Specification parsed = parse_specification(specification);
     const Entry& entry = find_technique(parsed.name);
@@ -106,8 +110,7 @@ RenderRequest read_render_options(const RenderOptions& options) {
     RenderRequest request;
     request.size = parse_size(options.size, "--size");
     request.threads = parse_integer(options.threads, "--threads", 0, 1024);
-    request.primary =
-        parse_choice(options.primary, "--primary", {"raster", "ray"}) == 0 ? Primary::Raster : Primary::Ray;
+    request.primary = parse_primary(options.primary, "--primary");
     request.aovs = read_aovs(options.aov);
     request.debug_images = options.debug_images;
     if (options.exposure != "auto")

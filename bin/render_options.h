@@ -38,6 +38,8 @@ struct TechniqueRequest {
 };
 // Throws UsageError for an unknown technique or parameter, or a value out of range.
 TechniqueRequest read_technique(const std::string& specification);
+Primary parse_primary(const std::string& text, const std::string& what);
+bool read_progress(const std::string& text, bool quiet); // of --progress: whether to draw it
 
 struct RenderRequest {
     SceneRequest scene;

@@ -51,23 +51,31 @@ bool same_technique(const TechniqueRequest& a, const TechniqueRequest& b) {
 
 ReportBuilder::ReportBuilder(const RenderRequest& request, const Stage& stage, const Frame& frame, float exposure)
     : request_(request), stage_(stage), frame_(frame), exposure_(exposure) {
-    data_.title = stage.scene.name;
-    data_.scene = stage.scene.name;
-    data_.camera = stage.camera.name;
+    const std::string size = fmt::format("{}x{}", frame.width(), frame.height());
+    std::string lights;
     for (const Light& light : stage.lights)
-        data_.light +=
-            fmt::format("{}{} ({})", data_.light.empty() ? "" : ", ", light.name, light_type_name(light.type));
-    if (stage.lights.size() > 1) data_.light += "; visibility is the mean over the lights";
+        lights += fmt::format("{}{} ({})", lights.empty() ? "" : ", ", light.name, light_type_name(light.type));
+    if (stage.lights.size() > 1) lights += "; visibility is the mean over the lights";
+    data_.title = stage.scene.name;
+    data_.facts = {{"Scene", stage.scene.name}, {"Camera", stage.camera.name}, {"Light", lights}, {"Images", size}};
     data_.command_lines = {request.command_line};
-    data_.mask = any_light_mask(frame.receivers(), stage.lights);
+    data_.views = {
+        {stage.scene.name, stage.camera.name, lights, size, "", any_light_mask(frame.receivers(), stage.lights)}};
+}
+
+std::string ReportBuilder::relative_to_report(const std::string& path) const {
+    const std::filesystem::path folder = std::filesystem::absolute(request_.report).parent_path();
+    return std::filesystem::absolute(path).lexically_relative(folder).generic_string();
 }
 
 void ReportBuilder::add(const Rendered& rendered, const RunStats& stats) {
     const TechniqueInfo& info = rendered.technique.entry->info;
     ReportEntry entry;
-    entry.id = rendered.files.label, entry.title = info.title;
+    entry.id = info.id, entry.title = info.title;
     entry.kind = technique_kind_name(info.kind), entry.paper = info.paper;
     entry.parameters = parameters_json(rendered.technique.entry->parameters, rendered.technique.parameters);
+    for (const ParameterInfo& parameter : rendered.technique.entry->parameters)
+        data_.parameter_units[parameter.name] = parameter.unit;
     entry.shaded = exposed_srgb(rendered.radiance, exposure_);
     entry.visibility = mean_visibility(rendered.images);
     for (size_t i = rendered.first_stats; i < rendered.first_stats + rendered.images.size(); ++i) {
@@ -79,16 +87,14 @@ void ReportBuilder::add(const Rendered& rendered, const RunStats& stats) {
         entry.seconds += light.seconds;
         entry.peak_bytes = std::max(entry.peak_bytes, light.log.memory->peak());
     }
-    const std::filesystem::path folder = std::filesystem::absolute(request_.report).parent_path();
     for (const std::string& path : {rendered.files.exr, rendered.files.png})
-        if (!path.empty())
-            entry.links.push_back(std::filesystem::absolute(path).lexically_relative(folder).generic_string());
+        if (!path.empty()) entry.links.push_back(relative_to_report(path));
 
     RenderRequest plain = request_; // the layers that are measured, and no others
     plain.aovs = {}, plain.debug_images = false;
     ChannelImage layers = make_layers(plain, frame_, stage_.lights, rendered.radiance, rendered.images, {});
     if (data_.entries.empty()) {
-        data_.reference_id = entry.id;
+        entry.is_reference = true;
         reference_ = std::move(layers);
     } else {
         entry.visibility_metrics = measure(layers, reference_, {});
@@ -97,6 +103,14 @@ void ReportBuilder::add(const Rendered& rendered, const RunStats& stats) {
     data_.entries.push_back(std::move(entry));
 }
 
-void ReportBuilder::write() const { write_report(request_.report, data_); }
+void ReportBuilder::write() {
+    const ReportEntry& reference = data_.entries.front();
+    data_.facts.emplace_back("Techniques", std::to_string(data_.entries.size() - 1));
+    data_.facts.emplace_back("Reference", reference.title);
+    if (std::filesystem::path stats = request_.stats; !stats.empty() && stats != "-")
+        data_.links.push_back(relative_to_report(stats));
+    name_differences(data_);
+    write_report(request_.report, data_);
+}
 
 } // namespace gnomon

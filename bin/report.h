@@ -30,9 +30,11 @@ class ReportBuilder {
 public:
     ReportBuilder(const RenderRequest& request, const Stage& stage, const Frame& frame, float exposure);
     void add(const Rendered& rendered, const RunStats& stats);
-    void write() const;
+    void write();
 
 private:
+    std::string relative_to_report(const std::string& path) const;
+
     const RenderRequest& request_;
     const Stage& stage_;
     const Frame& frame_;

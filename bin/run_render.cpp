@@ -8,6 +8,7 @@
 
 #include "bin/layers.h"
 #include "bin/report.h"
+#include "bin/shade.h"
 #include "bin/stats.h"
 #include "bin/text.h"
 #include "core/digest.h"
@@ -80,27 +81,6 @@ void prepare_shading(Rendering& rendering) {
     rendering.stats.exposure = rendering.exposure;
 }
 
-LitImage shade_light(Rendering& rendering, const TechniqueRequest& technique, const std::string& label, size_t index) {
-    const Light& light = rendering.stage.lights[index];
-    Frame& frame = rendering.frame;
-    frame.truth_run.light_index = static_cast<std::uint32_t>(index);
-    frame.begin_technique();
-    const std::int64_t pixels = std::int64_t{frame.width()} * frame.height();
-    Progress progress(label, pixels, rendering.request.progress);
-    frame.progress = &progress;
-    const double shared_before = frame.adjacency_seconds() + frame.rays_seconds();
-    const Stopwatch watch;
-    LitImage image{light.name,
-                   run_technique(*technique.entry, *technique.entry->make(technique.parameters), frame, light)};
-    const double shared = frame.adjacency_seconds() + frame.rays_seconds() - shared_before;
-    progress.advance(pixels); // most techniques do not report
-    frame.progress = nullptr;
-    rendering.stats.techniques.push_back({label, technique.entry->info.id, light.name,
-                                          parameters_json(technique.entry->parameters, technique.parameters),
-                                          watch.seconds() - shared, frame.log()});
-    return image;
-}
-
 void add_light(Image<vec3>& radiance, const Image<vec3>& unshadowed, const Visibility& visibility) {
     parallel_for(radiance.size(), 1 << 14, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
@@ -113,33 +93,21 @@ Rendered render_technique(Rendering& rendering, const TechniqueRequest& techniqu
     Rendered rendered{technique, files, rendering.base, {}, rendering.stats.techniques.size()};
     double seconds = 0;
     for (size_t i = 0; i < rendering.stage.lights.size(); ++i) {
-        rendered.images.push_back(shade_light(rendering, technique, files.label, i));
-        add_light(rendered.radiance, rendering.unshadowed[i], rendered.images.back().visibility);
-        seconds += rendering.stats.techniques.back().seconds;
+        Shaded shaded =
+            shade_light(rendering.frame, rendering.stage, i, technique, files.label, rendering.request.progress);
+        add_light(rendered.radiance, rendering.unshadowed[i], shaded.image.visibility);
+        seconds += shaded.stats.seconds;
+        rendered.images.push_back(std::move(shaded.image));
+        rendering.stats.techniques.push_back(std::move(shaded.stats));
     }
     rendering.stats.steps.push_back({"technique " + files.label, seconds});
     return rendered;
 }
 
 std::map<std::string, Attribute> make_attributes(const Rendering& rendering, const TechniqueRequest& technique) {
-    std::string lights;
-    for (const Light& light : rendering.stage.lights) lights += (lights.empty() ? "" : ", ") + light.name;
-    const nlohmann::json parameters = parameters_json(technique.entry->parameters, technique.parameters);
-    const Camera& camera = rendering.stage.camera;
-    const dmat4 view = view_matrix(camera);
-    const double aspect = static_cast<double>(rendering.frame.width()) / rendering.frame.height();
     std::map<std::string, Attribute> attributes =
         share_attributes(rendering.frame.truth_run.share, rendering.run_digest);
-    attributes.merge(std::map<std::string, Attribute>{
-        {"gnomon:version", GNOMON_VERSION},
-        {"gnomon:scene", rendering.stage.scene.name},
-        {"gnomon:camera", camera.name},
-        {"gnomon:light", lights},
-        {"gnomon:technique", technique.entry->info.id},
-        {"gnomon:parameters", parameters.dump()},
-        {"samplesPerPixel", parameters.contains("samples") ? parameters["samples"].get<int>() : 1},
-        {"worldToCamera", mat4(view)},
-        {"worldToNDC", mat4(projection_matrix(camera, aspect) * view)}});
+    attributes.merge(image_attributes(rendering.stage, rendering.frame, technique));
     return attributes;
 }
 

@@ -1,5 +1,7 @@
 #include "bin/stats.h"
 
+#include <fstream>
+
 #include <sys/resource.h>
 
 #include "bin/text.h"
@@ -23,31 +25,31 @@ ordered_json techniques_json(const std::vector<TechniqueStats>& techniques) {
     return rows;
 }
 
-std::int64_t peak_resident_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return std::int64_t{usage.ru_maxrss} * 1024;
-}
-
 } // namespace
+
+ordered_json counters_json(const PassCounters& counters) {
+    return {{"draws", counters.draws},
+            {"vertices", counters.vertices},
+            {"triangles", counters.triangles},
+            {"clipped", counters.clipped},
+            {"culled", counters.culled},
+            {"fragments_covered", counters.fragments_covered},
+            {"fragments_passed", counters.fragments_passed},
+            {"fragments_shaded", counters.fragments_shaded},
+            {"texels_fetched", counters.texels_fetched},
+            {"bytes_read", counters.bytes_read},
+            {"bytes_written", counters.bytes_written},
+            {"rays", counters.rays}};
+}
 
 ordered_json passes_json(const PassLog& log) {
     ordered_json passes = ordered_json::array();
-    for (const PassCounters& pass : log.passes)
-        passes.push_back({{"name", pass.name},
-                          {"draws", pass.draws},
-                          {"vertices", pass.vertices},
-                          {"triangles", pass.triangles},
-                          {"clipped", pass.clipped},
-                          {"culled", pass.culled},
-                          {"fragments_covered", pass.fragments_covered},
-                          {"fragments_passed", pass.fragments_passed},
-                          {"fragments_shaded", pass.fragments_shaded},
-                          {"texels_fetched", pass.texels_fetched},
-                          {"bytes_read", pass.bytes_read},
-                          {"bytes_written", pass.bytes_written},
-                          {"rays", pass.rays},
-                          {"seconds", pass.seconds}});
+    for (const PassCounters& pass : log.passes) {
+        ordered_json row = {{"name", pass.name}};
+        row.update(counters_json(pass));
+        row["seconds"] = pass.seconds;
+        passes.push_back(std::move(row));
+    }
     return passes;
 }
 
@@ -80,5 +82,16 @@ void write_json(const std::string& target, const ordered_json& json) {
     else
         write_text_file(target, text);
 }
+
+std::int64_t peak_resident_bytes() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::stoll(line.substr(6)) * 1024;
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return std::int64_t{usage.ru_maxrss} * 1024;
+}
+
+void reset_peak_resident_bytes() { std::ofstream("/proc/self/clear_refs") << '5'; }
 
 } // namespace gnomon

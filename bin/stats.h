@@ -39,11 +39,17 @@ struct RunStats {
     std::vector<StepStats> steps;
 };
 
+nlohmann::ordered_json counters_json(const PassCounters& counters); // all but name and seconds
 nlohmann::ordered_json passes_json(const PassLog& log);
 nlohmann::ordered_json stats_json(const RunStats& stats);
 
 // FILE.json, or standard output for "-".
 void write_json(const std::string& target, const nlohmann::ordered_json& json);
+
+// The most physical memory that the program held at once, since it began or since the last reset, as far as the system
+// lets that be reset.
+std::int64_t peak_resident_bytes();
+void reset_peak_resident_bytes();
 
 class Stopwatch {
 public:

@@ -80,6 +80,13 @@ vec2 parse_extent(std::string_view text, const std::string& what) {
     return value;
 }
 
+ivec2 parse_share(std::string_view text, const std::string& what) {
+    const size_t slash = text.find('/');
+    if (slash == std::string::npos) fail(what, text, "PART/PARTS such as 1/4");
+    const int parts = parse_integer(text.substr(slash + 1), what, 1, 1 << 20);
+    return {parse_integer(text.substr(0, slash), what, 1, parts), parts};
+}
+
 std::vector<std::string> split(std::string_view text, char separator) {
     std::vector<std::string> parts;
     for (size_t begin = 0;;) {

@@ -16,6 +16,8 @@ vec3 parse_vec3(std::string_view text, const std::string& what);   // "x,y,z"
 ivec2 parse_size(std::string_view text, const std::string& what);  // "1280x720", each 1 to max_image_side
 vec2 parse_extent(std::string_view text, const std::string& what); // "2x1.5" or "2" (both), each above 0
 
+ivec2 parse_share(std::string_view text, const std::string& what); // "1/4": part and parts, from 1
+
 std::vector<std::string> split(std::string_view text, char separator);
 
 // The index of `word` in `choices`; the error lists them.

@@ -13,8 +13,6 @@
 namespace gnomon {
 namespace {
 
-constexpr std::string_view builtin_prefix = "builtin:";
-
 std::string lower_extension(const std::string& path) {
     std::string extension = std::filesystem::path(path).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -61,15 +59,6 @@ void drop_degenerate_triangles(Scene& scene) {
     scene.triangle_objects.resize(kept);
     if (count > 0)
         scene.warnings.push_back(fmt::format("{}: {} triangles of zero area are left out", scene.name, count));
-}
-
-const BuiltinScene& find_builtin(const std::string& name) {
-    std::vector<std::string> names;
-    for (const BuiltinScene& builtin : builtin_scenes()) {
-        if (builtin.name == name) return builtin;
-        names.push_back(builtin.name);
-    }
-    throw UsageError("there is no builtin scene '" + name + "'" + did_you_mean(name, names));
 }
 
 } // namespace

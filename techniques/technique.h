@@ -52,6 +52,7 @@ struct TechniqueInfo {
     std::string equations = ""; // "(3.3), (3.4), (3.9)"
     std::string strengths = ""; // what it is good at
     std::string artifacts = ""; // what is known to go wrong, and where
+    int version = 1; // raised whenever the technique answers differently, so that studies compute its cells anew
 };
 
 struct Entry {

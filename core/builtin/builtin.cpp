@@ -1,5 +1,7 @@
 #include "core/builtin/builtin.h"
 
+#include "core/error.h"
+
 namespace gnomon {
 
 std::span<const BuiltinScene> builtin_scenes() {
@@ -8,6 +10,15 @@ std::span<const BuiltinScene> builtin_scenes() {
         colonnade_scene(), stacked_plates_scene(), cornell_scene(), staircase_scene(),
     };
     return scenes;
+}
+
+const BuiltinScene& find_builtin(const std::string& name) {
+    std::vector<std::string> names;
+    for (const BuiltinScene& builtin : builtin_scenes()) {
+        if (builtin.name == name) return builtin;
+        names.push_back(builtin.name);
+    }
+    throw UsageError("there is no builtin scene '" + name + "'" + did_you_mean(name, names));
 }
 
 std::uint32_t add_material(Scene& scene, const std::string& name, vec3 base_color, vec3 emission) {

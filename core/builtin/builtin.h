@@ -19,6 +19,9 @@ struct BuiltinScene {
 };
 
 std::span<const BuiltinScene> builtin_scenes();
+// Throws UsageError with the nearest known name.
+const BuiltinScene& find_builtin(const std::string& name);
+inline constexpr std::string_view builtin_prefix = "builtin:"; // of specifications
 
 // A row out of the scene's parameter struct, its table and its function.
 template <class Params, class Table>

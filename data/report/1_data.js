@@ -1,21 +1,45 @@
 'use strict';
-// The report's data, and the words and numbers it is shown in.
+// The report's data, and the words and numbers it is shown in. A view is a scene from one camera under one light at one size;
+// an entry is what one technique with one set of parameters made of one view, or the reference of the view.
 
 const report = JSON.parse(document.getElementById('report').textContent);
-const entries = report.entries;
-const reference = entries[report.reference];
+const {entries, views} = report;
+const value_text = value => typeof value === 'string' ? value : JSON.stringify(value);
 
+// A view is called by what tells it from the others.
+const view_keys = among => ['scene', 'camera', 'light', 'size', 'truth'].filter(key => among.some(view => view[key] !== among[0][key]));
+const view_title = (view, keys) => keys.map(key => view[key]).join(', ');
+for (const view of views) {
+  view.title = view_title(view, view_keys(views));
+  view.reference = entries[view.reference];
+}
+for (const entry of entries) {
+  entry.view = views[entry.view];
+  const varied = Object.entries(entry.varied).map(([key, value]) => `${key} ${value_text(value)}`).join(', ');
+  entry.name = entry.title + (varied ? ` (${varied})` : '');
+}
+// The entry with the image of this one: itself, or one in another block that is of the same cell.
+const with_images = new Map(entries.filter(entry => entry.cell && entry.visibility).map(entry => [entry.cell, entry]));
+const pictured_as = entry => entry.shaded || entry.visibility ? entry : with_images.get(entry.cell);
+const is_reference = entry => entry === entry.view.reference;
+for (const view of views) // those with images, the reference first
+  view.shown = entries.filter(entry => entry.view === view && (entry.shaded || entry.visibility)).sort((a, b) => is_reference(b) - is_reference(a));
+const rivals = entries.filter(entry => !is_reference(entry));
+
+const has_error = entry => Boolean(entry.visibility && entry.view.reference?.visibility);
 const layers = [
-  {id: 'shaded', title: 'Shaded', key: 's', of: e => e.shaded !== ''},
-  {id: 'visibility', title: 'Visibility', key: 'v', of: e => e.visibility !== ''},
-  {id: 'signed', title: 'Signed error', key: 'e', of: e => e.visibility !== '' && reference?.visibility},
-  {id: 'magnitude', title: 'Magnitude', key: 'm', of: e => e.visibility !== '' && reference?.visibility},
+  {id: 'shaded', title: 'Shaded', key: 's', of: entry => Boolean(entry.shaded)},
+  {id: 'visibility', title: 'Visibility', key: 'v', of: entry => Boolean(entry.visibility)},
+  {id: 'signed', title: 'Signed error', key: 'e', of: has_error, error: true},
+  {id: 'magnitude', title: 'Magnitude', key: 'm', of: has_error, error: true},
+  {id: 'leaks', title: 'Leaks', key: 'l', of: has_error},
 ].filter(layer => entries.some(layer.of));
+const is_error_layer = id => id === 'signed' || id === 'magnitude';
 
 function element(name, properties = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(properties)) {
-    if (key in made && key !== 'list') made[key] = value;
+    if (key in made) made[key] = value;
     else made.setAttribute(key, value);
   }
   made.append(...children.filter(child => child !== null && child !== undefined && child !== ''));
@@ -24,7 +48,7 @@ function element(name, properties = {}, ...children) {
 
 function pairs(list, rows) {
   list.replaceChildren(...rows.filter(row => row[1] !== '' && row[1] !== undefined)
-    .map(([name, value]) => element('div', {}, element('dt', {textContent: name}), element('dd', {textContent: value}))));
+    .map(([name, value]) => element('div', {}, element('dt', {textContent: name, title: name}), element('dd', {textContent: value}))));
 }
 
 // Buttons of which one is pressed.
@@ -38,6 +62,17 @@ function segments(box, choices, choose) {
   box.hidden = choices.length < 2;
   return chosen => buttons.forEach((button, i) => button.setAttribute('aria-pressed', choices[i].id === chosen));
 }
+
+// A labelled selection of {id, title}; hidden where there is nothing to choose.
+function selection(label, choices, chosen, choose) {
+  const box = element('select', {}, ...choices.map(choice => element('option', {value: choice.id, textContent: choice.title})));
+  box.value = chosen;
+  box.addEventListener('change', () => choose(box.value));
+  return element('label', {className: 'field', hidden: choices.length < 2}, label + ' ', box);
+}
+
+// A file beside the page. Its name is no address: whatever it holds, it stays a relative path.
+const file_link = path => element('a', {href: './' + path.split('/').map(encodeURIComponent).join('/'), textContent: path});
 
 const thin = '\u202f';
 const grouped = value => String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, thin);
@@ -59,18 +94,3 @@ function seconds(value) {
   if (value >= 1) return value.toPrecision(3) + thin + 's';
   return value >= 1e-3 ? (value * 1e3).toPrecision(3) + thin + 'ms' : (value * 1e6).toPrecision(3) + thin + 'µs';
 }
-
-// How the values of one metric are written: with as many decimals as the smallest needs for two digits, so that they line up.
-function metric_text(id, values) {
-  const smallest = Math.min(...values.map(Math.abs).filter(value => value > 0 && value < 1), 1);
-  const decimals = id === 'psnr' ? 2 : Math.min(Math.max(Math.ceil(-Math.log10(smallest)) + 1, 4), 6);
-  return value => value === undefined ? '–' : value === Infinity ? '∞' : value === 0 ? '0' : value.toFixed(decimals);
-}
-
-const metric_value = (entry, measure, id) => {
-  const value = entry.metrics[measure][id];
-  return value === 'infinite' ? Infinity : value;
-};
-
-const total = (entry, counter) => entry.passes.some(pass => counter in pass)
-  ? entry.passes.reduce((sum, pass) => sum + (pass[counter] ?? 0), 0) : undefined;

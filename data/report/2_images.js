@@ -1,8 +1,7 @@
-// Images, decoded when they are first looked at.
+// Images, decoded when they are first looked at. Values come from the files' own bytes, not through a canvas, which browsers
+// may disturb so that it cannot be used to recognise them.
 
-const {width, height} = report;
-
-function blank(w = width, h = height) {
+function blank(w, h) {
   return element('canvas', {width: w, height: h});
 }
 
@@ -13,10 +12,34 @@ async function picture(base64) {
   return image;
 }
 
-async function pixels(base64, rows) {
-  const canvas = blank(width, rows), context = canvas.getContext('2d', {willReadFrequently: true});
-  context.drawImage(await picture(base64), 0, 0);
-  return context.getImageData(0, 0, width, rows).data;
+// Undoes the filter of one row of a PNG [W3C PNG, 9.2] of one byte a pixel.
+function unfilter(type, row, above) {
+  for (let x = 0; x < row.length; ++x) {
+    const left = x ? row[x - 1] : 0, up = above ? above[x] : 0, corner = x && above ? above[x - 1] : 0;
+    if (type === 1) row[x] += left;
+    else if (type === 2) row[x] += up;
+    else if (type === 3) row[x] += left + up >> 1;
+    else if (type === 4) {
+      const a = Math.abs(up - corner), b = Math.abs(left - corner), c = Math.abs(left + up - 2 * corner);
+      row[x] += a <= b && a <= c ? left : b <= c ? up : corner;
+    }
+  }
+}
+
+// The bytes of a PNG of one 8-bit grey channel, the top row first.
+async function gray_bytes(base64) {
+  const file = Uint8Array.from(atob(base64), letter => letter.charCodeAt(0)), view = new DataView(file.buffer);
+  const width = view.getUint32(16), height = view.getUint32(20), packed = [];
+  for (let at = 8; at < file.length; at += 12 + view.getUint32(at))
+    if (view.getUint32(at + 4) === 0x49444154) packed.push(file.subarray(at + 8, at + 8 + view.getUint32(at))); // 'IDAT'
+  const stream = new Blob(packed).stream().pipeThrough(new DecompressionStream('deflate'));
+  const filtered = new Uint8Array(await new Response(stream).arrayBuffer()), out = new Uint8Array(width * height);
+  for (let y = 0; y < height; ++y) {
+    const at = y * (width + 1), row = out.subarray(y * width, (y + 1) * width);
+    row.set(filtered.subarray(at + 1, at + 1 + width));
+    unfilter(filtered[at], row, y ? out.subarray((y - 1) * width, y * width) : null);
+  }
+  return out;
 }
 
 function remembered(make) {
@@ -27,32 +50,36 @@ function remembered(make) {
   };
 }
 
-// 16-bit visibility codes from the two grey planes they are stored in, the top row first.
-const codes_of = remembered(async entry => {
-  const planes = await pixels(entry.visibility, 2 * height), codes = new Uint16Array(width * height);
-  for (let i = 0; i < codes.length; ++i) codes[i] = planes[4 * i] << 8 | planes[4 * (i + codes.length)];
-  return codes;
+// Visibility from the two planes that its codes are stored in; the codes above the levels are the values that are not finite.
+const values_of = remembered(async entry => {
+  const planes = await gray_bytes(entry.visibility), count = planes.length / 2, values = new Float32Array(count);
+  const levels = entry.levels, [low, high] = entry.range, special = [-Infinity, Infinity, NaN];
+  for (let i = 0; i < count; ++i) {
+    const code = planes[i] << 8 | planes[i + count];
+    values[i] = code > levels ? special[code - levels - 1] : low + code / levels * (high - low);
+  }
+  return values;
 });
 
-const mask_pixels = remembered(async () => report.mask ? await pixels(report.mask, height) : null);
-const in_mask = (mask, i) => !mask || mask[4 * i] > 0;
-const missing_code = report.visibility_levels + 1;
-const value_of = code => code === missing_code ? NaN : code / report.visibility_levels;
+const mask_of = remembered(async view => view.mask ? gray_bytes(view.mask) : null);
+const in_mask = (mask, i) => !mask || mask[i] > 0;
+const compared = entry => Promise.all([values_of(entry), values_of(entry.view.reference), mask_of(entry.view)]);
 
 // The largest error of an entry among the receivers that count.
 const largest_error = remembered(async entry => {
-  const [codes, truth, mask] = await Promise.all([codes_of(entry), codes_of(reference), mask_pixels()]);
+  const [values, truth, mask] = await compared(entry);
   let largest = 0;
-  for (let i = 0; i < codes.length; ++i)
-    if (in_mask(mask, i) && codes[i] !== missing_code && truth[i] !== missing_code)
-      largest = Math.max(largest, Math.abs(codes[i] - truth[i]));
-  return largest / report.visibility_levels;
+  for (let i = 0; i < values.length; ++i) {
+    const error = Math.abs(values[i] - truth[i]);
+    if (error > largest && error < Infinity && in_mask(mask, i)) largest = error;
+  }
+  return largest;
 });
 
 function nice_range(largest) {
   if (!(largest > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(largest));
-  return [1, 2, 2.5, 5, 10].map(step => step * power).find(range => range >= largest * (1 - 1e-6));
+  return [1, 2, 2.5, 5, 10].map(step => +(step * power).toPrecision(3)).find(range => range >= largest * (1 - 1e-6));
 }
 
 // 1024 colours of a map as 32-bit pixels, interpolated between its anchors.
@@ -64,59 +91,68 @@ const color_table = remembered(name => {
       const a = anchors[first] >> shift & 255, b = anchors[first + 1] >> shift & 255;
       return Math.round(a + (b - a) * (position - first));
     };
-    table[i] = 0xff000000 | mix(0) << 16 | mix(8) << 8 | mix(16);
+    table[i] = pixel(mix(16), mix(8), mix(0));
   }
   return table;
 });
 
-const outside_color = 0xff8c8c8c, missing_color = 0xff4db300;
+function pixel(red, green, blue) { return (0xff000000 | blue << 16 | green << 8 | red) >>> 0; }
+const outside_color = pixel(140, 140, 140), missing_color = pixel(0, 179, 77);
+const byte_of = value => Math.round(Math.min(Math.max(value, 0), 1) * 255);
 
-async function error_canvas(entry, layer, range) {
-  const [codes, truth, mask] = await Promise.all([codes_of(entry), codes_of(reference), mask_pixels()]);
-  const canvas = blank(), context = canvas.getContext('2d'), image = context.createImageData(width, height);
-  const out = new Uint32Array(image.data.buffer), table = color_table(layer), last = table.length - 1;
-  const scale = 1 / (range * report.visibility_levels);
-  for (let i = 0; i < out.length; ++i) {
-    if (!in_mask(mask, i)) { out[i] = outside_color; continue; }
-    if (codes[i] === missing_code || truth[i] === missing_code) { out[i] = missing_color; continue; }
-    const error = (codes[i] - truth[i]) * scale, t = layer === 'signed' ? 0.5 + 0.5 * error : Math.abs(error);
-    out[i] = table[Math.round(Math.min(Math.max(t, 0), 1) * last)];
-  }
+// A canvas of the entry's size with the colour that `color(i)` says.
+function painted({width, height}, color) {
+  const canvas = blank(width, height), context = canvas.getContext('2d'), image = context.createImageData(width, height);
+  const out = new Uint32Array(image.data.buffer);
+  for (let i = 0; i < out.length; ++i) out[i] = color(i);
   context.putImageData(image, 0, 0);
   return canvas;
 }
 
+async function error_canvas(entry, layer, range) {
+  const [values, truth, mask] = await compared(entry), table = color_table(layer), last = table.length - 1;
+  return painted(entry.view, i => {
+    if (!in_mask(mask, i)) return outside_color;
+    const error = (values[i] - truth[i]) / range;
+    if (!Number.isFinite(error)) return missing_color;
+    return table[Math.round(Math.min(Math.max(layer === 'signed' ? 0.5 + 0.5 * error : Math.abs(error), 0), 1) * last)];
+  });
+}
+
+// The reference, faded, and over it what the metrics `leak` (red) and `false_shadow` (blue) count.
+async function leak_canvas(entry) {
+  const [values, truth, mask] = await compared(entry);
+  return painted(entry.view, i => {
+    if (!in_mask(mask, i)) return outside_color;
+    if (!Number.isFinite(values[i]) || !Number.isFinite(truth[i])) return missing_color;
+    if (truth[i] <= 0.005 && values[i] > 0.05) return pixel(255, 255 - byte_of(0.5 + values[i] / 2), 40);
+    if (truth[i] >= 0.995 && values[i] < 0.95) return pixel(byte_of(values[i] / 2), 96, 255);
+    const gray = byte_of(0.25 + 0.6 * truth[i]);
+    return pixel(gray, gray, gray);
+  });
+}
+
 async function visibility_canvas(entry) {
-  const codes = await codes_of(entry), canvas = blank(), context = canvas.getContext('2d');
-  const image = context.createImageData(width, height), out = new Uint32Array(image.data.buffer);
-  for (let i = 0; i < out.length; ++i) {
-    const gray = Math.round(codes[i] / report.visibility_levels * 255);
-    out[i] = codes[i] === missing_code ? missing_color : 0xff000000 | gray << 16 | gray << 8 | gray;
-  }
-  context.putImageData(image, 0, 0);
-  return canvas;
+  const values = await values_of(entry);
+  return painted(entry.view, i => {
+    const gray = byte_of(values[i]);
+    return Number.isFinite(values[i]) ? pixel(gray, gray, gray) : missing_color;
+  });
 }
 
 // What a layer of an entry looks like, for drawing: an image or a canvas. The latest dozen are kept.
 const drawn = new Map();
 function layer_image(entry, layer, range) {
-  const key = [entries.indexOf(entry), layer, layer === 'signed' || layer === 'magnitude' ? range : ''].join();
+  const key = [entries.indexOf(entry), layer, is_error_layer(layer) ? range : ''].join();
   let image = drawn.get(key);
   drawn.delete(key);
-  if (!image) image = layer === 'shaded' ? picture(entry.shaded)
-    : layer === 'visibility' ? visibility_canvas(entry) : error_canvas(entry, layer, range);
+  image ??= layer === 'shaded' ? picture(entry.shaded) : layer === 'visibility' ? visibility_canvas(entry)
+    : layer === 'leaks' ? leak_canvas(entry) : error_canvas(entry, layer, range);
   drawn.set(key, image);
   if (drawn.size > 12) drawn.delete(drawn.keys().next().value);
   return image;
 }
 
 // A colour bar as a strip one pixel high.
-function color_bar(layer) {
-  const table = color_table(layer), canvas = blank(table.length, 1), context = canvas.getContext('2d');
-  const image = context.createImageData(table.length, 1);
-  new Uint32Array(image.data.buffer).set(table);
-  context.putImageData(image, 0, 0);
-  return canvas;
-}
-
+const color_bar = layer => painted({width: 1024, height: 1}, i => color_table(layer)[i]);
 const range_ends = (layer, range) => layer === 'signed' ? ['−' + range, '0', '+' + range] : ['0', String(+(range / 2).toPrecision(6)), String(range)];

@@ -3,58 +3,21 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "core/image_file.h"
-#include "core/parallel.h"
 #include "eval/color_map.h"
 #include "eval/metrics.h"
+#include "eval/report/embed.h"
 #include "eval/report/template.h"
 
 namespace gnomon {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string base64(const std::string& bytes) {
-    constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        unsigned group = 0;
-        for (size_t j = 0; j < 3; ++j)
-            group = group << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
-        for (size_t j = 0; j < 4; ++j) text += i + j <= bytes.size() ? letters[group >> (18 - 6 * j) & 63] : '=';
-    }
-    return text;
-}
-
-// A browser decodes a PNG to 8 bits a channel, so 16 bits travel as two grey planes in one image: the high bytes on
-// top, the low bytes below.
-Image<std::uint8_t> split_planes(const Image<float>& visibility) {
-    const int height = visibility.height();
-    Image<std::uint8_t> planes(visibility.width(), 2 * height);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < visibility.width(); ++x) {
-            const float value = visibility(x, y);
-            const auto code = static_cast<unsigned>(
-                std::isfinite(value)
-                    ? std::lround(std::clamp(value, 0.0f, 1.0f) * static_cast<float>(visibility_levels))
-                    : visibility_levels + 1);
-            planes(x, y + height) = static_cast<std::uint8_t>(code >> 8);
-            planes(x, y) = static_cast<std::uint8_t>(code & 255);
-        }
-    return planes;
-}
-
-Image<std::uint8_t> black_and_white(const Image<std::uint8_t>& mask) {
-    Image<std::uint8_t> image(mask.width(), mask.height());
-    for (size_t i = 0; i < mask.size(); ++i) image.values()[i] = mask.values()[i] ? 255 : 0;
-    return image;
-}
 
 Json metric_values(const std::vector<std::pair<std::string, double>>& values) {
     Json json = Json::object();
@@ -63,87 +26,140 @@ Json metric_values(const std::vector<std::pair<std::string, double>>& values) {
     return json;
 }
 
-Json entry_json(const ReportEntry& entry) {
+Json entry_json(const ReportEntry& entry, const EmbeddedImages& images) {
     return {
+        {"block", entry.block},
+        {"view", entry.view},
         {"id", entry.id},
         {"title", entry.title},
         {"kind", entry.kind},
         {"paper", entry.paper},
         {"parameters", entry.parameters},
+        {"varied", entry.varied},
         {"passes", entry.passes},
+        {"counters", entry.counters},
         {"seconds", entry.seconds},
         {"peak_bytes", entry.peak_bytes},
         {"links", entry.links},
         {"metrics",
          {{"visibility", metric_values(entry.visibility_metrics)}, {"shaded", metric_values(entry.shaded_metrics)}}},
-        {"shaded", entry.shaded.empty() ? "" : base64(encode_png(entry.shaded))},
-        {"visibility", entry.visibility.empty() ? "" : base64(encode_png(split_planes(entry.visibility)))}};
+        {"cell", entry.cell},
+        {"status", entry.status},
+        {"message", entry.message},
+        {"shaded", images.shaded},
+        {"visibility", images.visibility.png},
+        {"levels", images.visibility.levels},
+        {"range", {images.visibility.low, images.visibility.high}}};
 }
 
-// The metrics that some entry has, in the order in which they are listed everywhere.
+// The metrics that some entry has, in the order in which they are listed everywhere; after them those that this program
+// does not know, of which nothing but the name can be said.
 Json metric_table(const ReportData& data) {
-    const auto has = [](const std::vector<std::pair<std::string, double>>& values, const std::string& id) {
-        return std::any_of(values.begin(), values.end(), [&](const auto& value) { return value.first == id; });
-    };
+    std::set<std::string> present;
+    for (const ReportEntry& entry : data.entries)
+        for (const auto* values : {&entry.visibility_metrics, &entry.shaded_metrics})
+            for (const auto& value : *values) present.insert(value.first);
     Json rows = Json::array();
     for (const Metric& metric : metrics())
-        if (std::any_of(data.entries.begin(), data.entries.end(), [&](const ReportEntry& entry) {
-                return has(entry.visibility_metrics, metric.id) || has(entry.shaded_metrics, metric.id);
-            }))
+        if (present.erase(metric.id) > 0)
             rows.push_back({{"id", metric.id},
                             {"title", metric.title},
                             {"formula", metric.formula},
                             {"range", metric.range},
                             {"blind_to", metric.blind_to},
                             {"lower_is_better", metric.lower_is_better}});
+    for (const std::string& id : present)
+        rows.push_back({{"id", id},
+                        {"title", id},
+                        {"formula", ""},
+                        {"range", ""},
+                        {"blind_to", ""},
+                        {"lower_is_better", nullptr}});
     return rows;
 }
 
-// The size of all images in the report; throws where they differ.
-std::pair<int, int> common_size(const ReportData& data) {
-    std::pair<int, int> size{0, 0};
-    const auto check = [&](const auto& image, const std::string& what) {
+// The size of each view's images; throws where they differ.
+std::vector<std::pair<int, int>> view_sizes(const ReportData& data) {
+    std::vector<std::pair<int, int>> sizes(data.views.size());
+    const auto check = [&](const auto& image, size_t view, const std::string& what) {
         if (image.empty()) return;
         const std::pair<int, int> own{image.width(), image.height()};
+        std::pair<int, int>& size = sizes[view];
         if (size.first == 0) size = own;
         if (own != size)
             throw UsageError(fmt::format("a report shows images of one size, but {} is {}x{} beside {}x{}", what,
                                          own.first, own.second, size.first, size.second));
     };
     for (const ReportEntry& entry : data.entries) {
-        check(entry.shaded, fmt::format("the shaded image of '{}'", entry.id));
-        check(entry.visibility, fmt::format("the visibility of '{}'", entry.id));
+        const auto view = static_cast<size_t>(entry.view);
+        if (entry.view < 0 || view >= sizes.size() || entry.block < 0 ||
+            static_cast<size_t>(entry.block) >= data.blocks.size())
+            throw UsageError(fmt::format("the report's entry '{}' is in no view or block of it", entry.id));
+        check(entry.shaded, view, fmt::format("the shaded image of '{}'", entry.id));
+        check(entry.visibility, view, fmt::format("the visibility of '{}'", entry.id));
     }
-    check(data.mask, "the mask");
-    return size;
+    for (size_t view = 0; view < sizes.size(); ++view) check(data.views[view].mask, view, "the mask");
+    return sizes;
 }
 
-int reference_index(const ReportData& data) {
-    if (data.reference_id.empty()) return -1;
-    for (size_t i = 0; i < data.entries.size(); ++i)
-        if (data.entries[i].id == data.reference_id) return static_cast<int>(i);
-    throw UsageError(fmt::format("the report's reference '{}' is not among its entries", data.reference_id));
+Json views_json(const ReportData& data) {
+    const std::vector<std::pair<int, int>> sizes = view_sizes(data);
+    Json views = Json::array();
+    for (size_t i = 0; i < data.views.size(); ++i) {
+        const ReportView& view = data.views[i];
+        const auto reference = std::find_if(data.entries.begin(), data.entries.end(), [&](const ReportEntry& entry) {
+            return entry.is_reference && static_cast<size_t>(entry.view) == i;
+        });
+        views.push_back({{"scene", view.scene},
+                         {"camera", view.camera},
+                         {"light", view.light},
+                         {"size", view.size},
+                         {"truth", view.truth},
+                         {"width", sizes[i].first},
+                         {"height", sizes[i].second},
+                         {"reference", reference == data.entries.end() ? -1 : reference - data.entries.begin()},
+                         {"mask", view.mask.empty() ? "" : embed_mask(view.mask)}});
+    }
+    return views;
+}
+
+// What the reader should know of images that the page could not hold as they are.
+std::vector<std::string> embedding_notes(const EmbeddedSet& set) {
+    std::vector<std::string> notes;
+    if (set.shaded_step > 1)
+        notes.push_back(fmt::format("To keep this page small, shaded images are stored at 1/{} of their width and "
+                                    "height; the files have all of them.",
+                                    set.shaded_step));
+    if (set.levels < finest_levels)
+        notes.push_back(fmt::format(
+            "To keep this page small, visibility is stored in {} levels; the files have all of it.", set.levels));
+    if (set.left_out > 0)
+        notes.push_back(
+            fmt::format("The images of {} entries did not fit this page; the files have them.", set.left_out));
+    return notes;
 }
 
 Json report_json(const ReportData& data) {
-    const auto [width, height] = common_size(data);
-    const int reference = reference_index(data);
-    std::vector<Json> entries(data.entries.size()); // compressed in parallel
-    parallel_for(entries.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) entries[i] = entry_json(data.entries[i]);
-    });
+    Json views = views_json(data); // checks what the images are to be
+    std::vector<ImagesToEmbed> wanted;
+    for (const ReportEntry& entry : data.entries)
+        wanted.push_back({&entry.shaded, &entry.visibility, entry.is_reference ? 0 : 1 + entry.image_rank});
+    const EmbeddedSet embedded = embed_images(wanted, data.image_budget);
+    Json entries = Json::array();
+    for (size_t i = 0; i < data.entries.size(); ++i) entries.push_back(entry_json(data.entries[i], embedded.images[i]));
+    std::vector<std::string> notes = data.notes;
+    for (std::string& note : embedding_notes(embedded)) notes.push_back(std::move(note));
     return {{"title", data.title},
-            {"scene", data.scene},
-            {"camera", data.camera},
-            {"light", data.light},
+            {"kind", data.kind == ReportData::Kind::Study ? "study" : "render"},
+            {"facts", data.facts},
+            {"notes", notes},
             {"command_lines", data.command_lines},
-            {"width", width},
-            {"height", height},
-            {"reference", reference},
-            {"visibility_levels", visibility_levels},
+            {"links", data.links},
+            {"parameter_units", data.parameter_units},
+            {"blocks", data.blocks},
             {"color_maps", {{"signed", blue_white_red()}, {"magnitude", magma()}}},
             {"metrics", metric_table(data)},
-            {"mask", data.mask.empty() ? "" : base64(encode_png(black_and_white(data.mask)))},
+            {"views", std::move(views)},
             {"entries", std::move(entries)}};
 }
 
@@ -183,6 +199,17 @@ std::string script_safe(const Json& json) {
 }
 
 } // namespace
+
+void name_differences(ReportData& data) {
+    for (ReportEntry& entry : data.entries)
+        for (const auto& item : entry.parameters.items()) {
+            const auto differs = [&](const ReportEntry& other) {
+                return other.id == entry.id && other.view == entry.view && other.parameters.contains(item.key()) &&
+                       other.parameters[item.key()] != item.value();
+            };
+            if (std::any_of(data.entries.begin(), data.entries.end(), differs)) entry.varied[item.key()] = item.value();
+        }
+}
 
 std::string report_page(const ReportData& data) {
     std::string page(report_html);

@@ -3,13 +3,18 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace gnomon_tests {
 namespace {
@@ -100,6 +105,30 @@ std::string check_success(const std::vector<std::string>& arguments) {
     INFO(command << "\n" << run.errors);
     REQUIRE(run.exit_code == 0);
     return run.output;
+}
+
+double milliseconds_of(const std::vector<std::string>& arguments) {
+    const auto start = std::chrono::steady_clock::now();
+    check_success(arguments);
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+int run_and_stop(const std::vector<std::string>& arguments, int milliseconds, int signal) {
+    const pid_t child = fork();
+    if (child == 0) {
+        std::vector<char*> argv = {const_cast<char*>(GNOMON_PROGRAM)};
+        for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+        argv.push_back(nullptr);
+        if (!freopen("/dev/null", "w", stderr) || !freopen("/dev/null", "w", stdout)) _exit(97);
+        execv(GNOMON_PROGRAM, argv.data());
+        _exit(98);
+    }
+    REQUIRE(child > 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    kill(child, signal);
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
 
 std::string without_times(const std::string& json) {

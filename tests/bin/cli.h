@@ -25,6 +25,13 @@ void check_failure(const std::vector<std::string>& arguments, int exit_code, con
 // Runs and requires exit code 0; returns standard output.
 std::string check_success(const std::vector<std::string>& arguments);
 
+// The same, and how long it took.
+double milliseconds_of(const std::vector<std::string>& arguments);
+
+// Starts the program and ends it by `signal` after so many milliseconds, unless it is done before; its exit code, or
+// 128 + the signal that it died of.
+int run_and_stop(const std::vector<std::string>& arguments, int milliseconds, int signal);
+
 // The JSON text without what differs from run to run: every "seconds", and the resident memory.
 std::string without_times(const std::string& json);
 

@@ -3,15 +3,10 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <random>
-#include <thread>
 #include <utility>
-
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "core/image_file.h"
 #include "tests/bin/cli.h"
@@ -30,33 +25,6 @@ std::vector<std::string> truth(const std::string& output, const std::vector<std:
         if (std::find(more.begin(), more.end(), option) == more.end())
             arguments.insert(arguments.end(), {option, value});
     return arguments;
-}
-
-// Starts the program and ends it by `signal` after so many milliseconds, unless it is done before; its exit code, or
-// 128
-// + the signal that it died of.
-int run_and_stop(const std::vector<std::string>& arguments, int milliseconds, int signal) {
-    const pid_t child = fork();
-    if (child == 0) {
-        std::vector<char*> argv = {const_cast<char*>(GNOMON_PROGRAM)};
-        for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-        argv.push_back(nullptr);
-        if (!freopen("/dev/null", "w", stderr)) _exit(97);
-        execv(GNOMON_PROGRAM, argv.data());
-        _exit(98);
-    }
-    REQUIRE(child > 0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-    kill(child, signal);
-    int status = 0;
-    REQUIRE(waitpid(child, &status, 0) == child);
-    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-}
-
-double milliseconds_of(const std::vector<std::string>& arguments) {
-    const auto start = std::chrono::steady_clock::now();
-    check_success(arguments);
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 } // namespace
