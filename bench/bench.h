@@ -41,5 +41,6 @@ private:
 void bench_raster(Bench& bench);
 void bench_truth(Bench& bench);
 void bench_passes(Bench& bench);
+void bench_eval(Bench& bench);
 
 } // namespace gnomon_bench

@@ -16,7 +16,8 @@ struct Group {
 };
 constexpr Group groups[] = {{"raster", gnomon_bench::bench_raster},
                             {"truth", gnomon_bench::bench_truth},
-                            {"passes", gnomon_bench::bench_passes}};
+                            {"passes", gnomon_bench::bench_passes},
+                            {"eval", gnomon_bench::bench_eval}};
 
 } // namespace
 

@@ -45,10 +45,10 @@ std::string scene_text(const BuiltinScene& scene) {
 }
 
 std::string metric_text(const Metric& metric) {
-    return fmt::format(
-        "metric {}: {}\n\n  formula   {}\n  range     {}\n  better    {}\n  blind to  {}\n  source    {}\n", metric.id,
-        metric.title, metric.formula, metric.range, metric.lower_is_better ? "lower" : "higher", metric.blind_to,
-        metric.source);
+    return fmt::format("metric {}: {}\n\n  formula   {}\n  of        {}\n  range     {}\n  better    {}\n  blind to  "
+                       "{}\n  source    {}\n",
+                       metric.id, metric.title, metric.formula, domain_name(metric.domain), metric.range,
+                       metric.lower_is_better ? "lower" : "higher", metric.blind_to, metric.source);
 }
 
 struct Topics {

@@ -48,7 +48,8 @@ ordered_json metrics_json() {
                         {"range", metric.range},
                         {"source", metric.source},
                         {"blind_to", metric.blind_to},
-                        {"lower_is_better", metric.lower_is_better}});
+                        {"lower_is_better", metric.lower_is_better},
+                        {"applies_to", domain_name(metric.domain)}});
     return rows;
 }
 
@@ -70,9 +71,10 @@ void print_scenes() {
 }
 
 void print_metrics() {
-    std::vector<std::vector<std::string>> rows = {{"ID", "BETTER", "TITLE"}};
+    std::vector<std::vector<std::string>> rows = {{"ID", "BETTER", "OF", "TITLE"}};
     for (const Metric& metric : metrics())
-        rows.push_back({metric.id, metric.lower_is_better ? "lower" : "higher", metric.title});
+        rows.push_back(
+            {metric.id, metric.lower_is_better ? "lower" : "higher", domain_name(metric.domain), metric.title});
     print(aligned(rows));
 }
 

@@ -129,24 +129,41 @@ void check_header(const OIIO::ImageSpec& spec, const std::string& path) {
                                        spec.width, spec.height, spec.nchannels));
 }
 
-void read_channels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const std::string& path, ChannelImage& image) {
-    const auto channels = static_cast<size_t>(spec.nchannels), width = static_cast<size_t>(spec.width);
+// A run of channels, read row by row as they are stored or as floats, and what to do with each sample.
+template <class T, class Put>
+void read_samples(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const std::string& path, int first_channel,
+                  int end_channel, OIIO::TypeDesc type, Put put) {
+    const auto channels = static_cast<size_t>(end_channel - first_channel), width = static_cast<size_t>(spec.width);
     const int step = spec.tile_width > 0 ? spec.height : std::min(rows_at_a_time, spec.height); // tiles: all at once
-    std::vector<float> samples(channels * width * static_cast<size_t>(step));
+    std::vector<T> samples(channels * width * static_cast<size_t>(step));
     for (int first = 0; first < spec.height; first += step) {
         const int count = std::min(step, spec.height - first);
         const bool read = spec.tile_width > 0
-                              ? input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, samples.data())
-                              : input.read_scanlines(0, 0, spec.y + first, spec.y + first + count, spec.z, 0,
-                                                     spec.nchannels, OIIO::TypeFloat, samples.data());
+                              ? input.read_image(0, 0, first_channel, end_channel, type, samples.data())
+                              : input.read_scanlines(0, 0, spec.y + first, spec.y + first + count, spec.z,
+                                                     first_channel, end_channel, type, samples.data());
         if (!read) fail_to_read(path, reason(input.geterror(), path) + "; the file is truncated or broken");
         for (size_t c = 0; c < channels; ++c)
-            for (int y = 0; y < count; ++y) {
-                const std::span<float> row = image.channels[c].values.row(spec.height - 1 - (first + y));
-                const float* sample = samples.data() + static_cast<size_t>(y) * width * channels + c;
-                for (size_t x = 0; x < width; ++x) row[x] = sample[x * channels];
-            }
+            for (int y = 0; y < count; ++y)
+                put(static_cast<size_t>(first_channel) + c, spec.height - 1 - (first + y),
+                    samples.data() + static_cast<size_t>(y) * width * channels + c, channels);
     }
+}
+
+// The whole numbers of an EXR are ids and counts, not fractions of the largest one.
+bool is_whole_number(const OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int channel) {
+    return std::string(input.format_name()) == "openexr" && spec.channelformat(channel) == OIIO::TypeUInt32;
+}
+
+void read_channels(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const std::string& path, ChannelImage& image) {
+    const auto put = [&](size_t channel, int y, const auto* sample, size_t stride) {
+        const std::span<float> row = image.channels[channel].values.row(y);
+        for (size_t x = 0; x < row.size(); ++x) row[x] = static_cast<float>(sample[x * stride]);
+    };
+    read_samples<float>(input, spec, path, 0, spec.nchannels, OIIO::TypeFloat, put);
+    for (int c = 0; c < spec.nchannels; ++c)
+        if (is_whole_number(input, spec, c))
+            read_samples<std::uint32_t>(input, spec, path, c, c + 1, OIIO::TypeUInt32, put);
 }
 
 } // namespace
@@ -282,6 +299,11 @@ ChannelImage read_image(const std::string& path) {
         if (!input) fail_to_read(path, reason("", path));
         const OIIO::ImageSpec spec = input->spec();
         check_header(spec, path);
+        if (input->seek_subimage(1, 0))
+            fail_to_read(path,
+                         "it holds several images; take out the one you mean, for example by oiiotool --subimage");
+        input->seek_subimage(0, 0);
+        (void)input->geterror(); // that there is no second image is no failure
         ChannelImage image;
         image.attributes = attributes_of(spec);
         image.width = spec.width, image.height = spec.height;

@@ -44,8 +44,9 @@ void write_png(const std::string& path, const Image<vec3>& srgb, const std::map<
 std::string encode_png(const Image<vec3>& srgb);
 std::string encode_png(const Image<std::uint8_t>& gray);
 
-// Any format OpenImageIO reads. Integer formats are scaled to [0, 1]; PNG's sRGB channels stay as stored (not
-// linearised). Throws InputError where the file is missing, not an image, truncated, or larger than max_image_side.
+// Any format OpenImageIO reads. Integer formats are scaled to [0, 1], but for EXR's, which are ids and counts; PNG's
+// sRGB channels stay as stored (not linearised). Throws InputError where the file is missing, not an image, truncated,
+// larger than max_image_side, or holds several images (parts of an EXR).
 ChannelImage read_image(const std::string& path);
 
 // The sRGB transfer function (IEC 61966-2-1), on one value: linear in [0, 1] to display-referred, and back.

@@ -11,6 +11,19 @@ ColorMap blue_white_red() {
     return anchors;
 }
 
+ColorMap shadow_and_light() {
+    // Strong colours right beside the grey: what is shown at all is wrong.
+    static constexpr std::array<std::uint32_t, 21> anchors = {
+        0x0a1f9c, 0x0c26b4, 0x0e2dcc, 0x1035e4, 0x123ffc, 0x1a52ff, 0x2466ff, 0x2e7bff, 0x3890ff, 0x42a5ff, 0x9a9a9a,
+        0xffb300, 0xffa000, 0xff8c00, 0xff7800, 0xff6400, 0xfb4e08, 0xf03a10, 0xdc2814, 0xc81814, 0xb00810};
+    return anchors;
+}
+
+ColorMap blue_green_red() {
+    static constexpr std::array<std::uint32_t, 5> anchors = {0x0000ff, 0x00ffff, 0x00ff00, 0xffff00, 0xff0000};
+    return anchors;
+}
+
 ColorMap magma() {
     // Every 17th of the map's 256 colours; between them it is within 3/255 of straight.
     static constexpr std::array<std::uint32_t, 16> anchors = {

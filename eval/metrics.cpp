@@ -9,17 +9,57 @@
 
 namespace gnomon {
 
-const std::vector<Metric>& metrics() {
-    static const std::vector<Metric> table = {
-        mae_metric(),  mse_metric(),  rmse_metric(),         psnr_metric(), max_metric(),
-        ssim_metric(), leak_metric(), false_shadow_metric(), over_metric(), under_metric(),
+const char* domain_name(Metric::Domain domain) {
+    constexpr const char* names[] = {"any channel", "visibility", "colours and visibility", "scene-linear colours",
+                                     "sequences"};
+    return names[static_cast<size_t>(domain)];
+}
+
+Measure measure_of(Metric metric, double (*value)(const ImagePair&)) {
+    return {{std::move(metric)}, [value](const ImagePair& pair) { return std::vector{value(pair)}; }, nullptr};
+}
+
+Measure measure_of(Metric metric, double (*value)(const ColorPair&)) {
+    return {{std::move(metric)}, nullptr, [value](const ColorPair& pair) { return std::vector{value(pair)}; }};
+}
+
+const std::vector<Measure>& measures() {
+    static const std::vector<Measure> table = {
+        mae_measure(),     mse_measure(),          rmse_measure(), psnr_measure(),     max_measure(),
+        relmse_measure(),  ssim_measure(),         flip_measure(), flip_hdr_measure(), classes_measure(),
+        leak_measure(),    false_shadow_measure(), over_measure(), under_measure(),    edges_measure(),
+        banding_measure(), temporal_measure(),
     };
+    return table;
+}
+
+const std::vector<Metric>& metrics() {
+    static const std::vector<Metric> table = [] {
+        std::vector<Metric> rows;
+        for (const Measure& measure : measures())
+            rows.insert(rows.end(), measure.metrics.begin(), measure.metrics.end());
+        return rows;
+    }();
     return table;
 }
 
 const Metric* find_metric(const std::string& id) {
     const auto found = std::find_if(metrics().begin(), metrics().end(), [&](const Metric& m) { return m.id == id; });
     return found == metrics().end() ? nullptr : &*found;
+}
+
+double evaluate(const Metric& metric, const ImagePair& pair) {
+    for (const Measure& measure : measures())
+        for (size_t i = 0; i < measure.metrics.size(); ++i) {
+            if (measure.metrics[i].id != metric.id) continue;
+            if (measure.of_channel) return measure.of_channel(pair)[i];
+            const ColorPair grey{{&pair.test, &pair.test, &pair.test},
+                                 {&pair.reference, &pair.reference, &pair.reference},
+                                 pair.mask,
+                                 pair.srgb};
+            if (measure.of_color) return measure.of_color(grey)[i];
+        }
+    return std::numeric_limits<double>::quiet_NaN();
 }
 
 double pool(const Metric& metric, std::span<const double> values, std::span<const double> weights) {

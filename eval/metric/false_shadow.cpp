@@ -1,9 +1,10 @@
 #include "eval/metric/all.h"
+#include "eval/metric/classes.h"
 #include "eval/metric/reduce.h"
 
 namespace gnomon {
 
-Metric false_shadow_metric() {
+Measure false_shadow_measure() {
     Metric metric;
     metric.id = "false_shadow";
     metric.title = "false shadow";
@@ -12,16 +13,16 @@ Metric false_shadow_metric() {
     metric.source = "the classes lit, penumbra and umbra of the reference visibility";
     metric.blind_to =
         "how dark a false shadow is beyond 0.05; it cannot tell self-shadowing from a penumbra drawn too wide";
-    metric.visibility_only = true;
-    metric.evaluate = [](const ImagePair& pair) {
-        return reduce_pixels(pair.test.size(),
-                             [&](size_t pixel, PixelSum& sum) {
-                                 if (takes_part(pair, pixel) && pair.reference.values()[pixel] >= 0.995f)
-                                     sum.add(pair.test.values()[pixel] < 0.95f ? 1.0 : 0.0);
-                             })
-            .mean();
-    };
-    return metric;
+    metric.domain = Metric::Domain::Visibility;
+    return measure_of(
+        metric, +[](const ImagePair& pair) {
+            return reduce_pixels(pair.test.size(),
+                                 [&](size_t pixel, PixelSum& sum) {
+                                     if (takes_part(pair, pixel) && pair.reference.values()[pixel] >= lit_from)
+                                         sum.add(pair.test.values()[pixel] < false_shadow_below ? 1.0 : 0.0);
+                                 })
+                .mean();
+        });
 }
 
 } // namespace gnomon

@@ -3,7 +3,7 @@
 
 namespace gnomon {
 
-Metric max_metric() {
+Measure max_measure() {
     Metric metric;
     metric.id = "max";
     metric.title = "largest absolute error";
@@ -12,11 +12,11 @@ Metric max_metric() {
     metric.source = "the maximum norm of the difference";
     metric.blind_to = "extent: one pixel decides, and a silhouette shifted by one pixel reaches 1";
     metric.pooling = Metric::Pooling::Largest;
-    metric.evaluate = [](const ImagePair& pair) {
-        const PixelSum sum = reduce_differences(pair, [](double t, double r) { return std::abs(t - r); });
-        return sum.count > 0 ? sum.largest : std::numeric_limits<double>::quiet_NaN();
-    };
-    return metric;
+    return measure_of(
+        metric, +[](const ImagePair& pair) {
+            const PixelSum sum = reduce_differences(pair, [](double t, double r) { return std::abs(t - r); });
+            return sum.count > 0 ? sum.largest : std::numeric_limits<double>::quiet_NaN();
+        });
 }
 
 } // namespace gnomon

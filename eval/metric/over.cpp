@@ -3,7 +3,7 @@
 
 namespace gnomon {
 
-Metric over_metric() {
+Measure over_measure() {
     Metric metric;
     metric.id = "over";
     metric.title = "over-estimation";
@@ -11,10 +11,10 @@ Metric over_metric() {
     metric.range = "0 (nowhere too light) to 1";
     metric.source = "the positive part of the difference; over + under = mae, over - under = the bias";
     metric.blind_to = "place: it counts light leaking and a penumbra shifted inwards alike";
-    metric.evaluate = [](const ImagePair& pair) {
-        return reduce_differences(pair, [](double t, double r) { return std::max(t - r, 0.0); }).mean();
-    };
-    return metric;
+    return measure_of(
+        metric, +[](const ImagePair& pair) {
+            return reduce_differences(pair, [](double t, double r) { return std::max(t - r, 0.0); }).mean();
+        });
 }
 
 } // namespace gnomon

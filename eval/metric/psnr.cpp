@@ -3,7 +3,7 @@
 
 namespace gnomon {
 
-Metric psnr_metric() {
+Measure psnr_measure() {
     Metric metric;
     metric.id = "psnr";
     metric.title = "peak signal-to-noise ratio";
@@ -13,10 +13,10 @@ Metric psnr_metric() {
     metric.blind_to = "all that mse is blind to; differences between good results look larger than they are";
     metric.lower_is_better = false;
     metric.pooling = Metric::Pooling::Decibel;
-    metric.evaluate = [](const ImagePair& pair) {
-        return 0.0 - 10.0 * std::log10(mean_square_error(pair)); // of 0: plus infinity
-    };
-    return metric;
+    return measure_of(
+        metric, +[](const ImagePair& pair) {
+            return 0.0 - 10.0 * std::log10(mean_square_error(pair)); // of 0: plus infinity
+        });
 }
 
 } // namespace gnomon

@@ -3,7 +3,7 @@
 
 namespace gnomon {
 
-Metric rmse_metric() {
+Measure rmse_measure() {
     Metric metric;
     metric.id = "rmse";
     metric.title = "root mean square error";
@@ -12,8 +12,8 @@ Metric rmse_metric() {
     metric.source = "the square root of mse; over several channels, of the mean of their mse";
     metric.blind_to = "sign and place; an unshadowed surroundings that fills the picture dilutes it";
     metric.pooling = Metric::Pooling::RootMeanSquare;
-    metric.evaluate = [](const ImagePair& pair) { return std::sqrt(mean_square_error(pair)); };
-    return metric;
+    return measure_of(
+        metric, +[](const ImagePair& pair) { return std::sqrt(mean_square_error(pair)); });
 }
 
 } // namespace gnomon

@@ -3,7 +3,7 @@
 
 namespace gnomon {
 
-Metric under_metric() {
+Measure under_measure() {
     Metric metric;
     metric.id = "under";
     metric.title = "under-estimation";
@@ -11,10 +11,10 @@ Metric under_metric() {
     metric.range = "0 (nowhere too dark) to 1";
     metric.source = "the negative part of the difference; over + under = mae, over - under = the bias";
     metric.blind_to = "place: it counts false self-shadowing and a penumbra shifted outwards alike";
-    metric.evaluate = [](const ImagePair& pair) {
-        return reduce_differences(pair, [](double t, double r) { return std::max(r - t, 0.0); }).mean();
-    };
-    return metric;
+    return measure_of(
+        metric, +[](const ImagePair& pair) {
+            return reduce_differences(pair, [](double t, double r) { return std::max(r - t, 0.0); }).mean();
+        });
 }
 
 } // namespace gnomon

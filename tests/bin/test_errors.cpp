@@ -189,7 +189,7 @@ TEST_CASE("Images that cannot be compared are refused", "[cli]") {
             {{"compare", a, a, "--fail-above", "rmse"}, usage, "METRIC=NUMBER"},
             {{"compare", a, a, "--fail-above", "rmse=much"}, usage, "a number"},
             {{"compare", a, a, "--channels", "Q"}, input, "no channel 'Q'"},
-            {{"compare", a, a, "--map", folder + "/map.exr"}, usage, ".png"},
+            {{"compare", a, a, "--map", folder + "/map.jpg"}, usage, ".png"},
             {{"compare", a, a, "--map", folder + "/map.png", "--map-kind", "sined"}, usage, "did you mean 'signed'?"},
             {{"compare", a, a, "--json", folder + "/missing/c.json"}, input, "there is no folder"},
             {{"compare", a}, usage, "reference"},

@@ -49,8 +49,8 @@ TEST_CASE("list scenes and metrics as JSON", "[cli]") {
     CHECK(keys(scenes[0]) == std::set<std::string>{"name", "title", "parameters"});
     const json metrics = json::parse(check_success({"list", "metrics", "--json"}));
     REQUIRE(metrics.size() == gnomon::metrics().size());
-    CHECK(keys(metrics[0]) ==
-          std::set<std::string>{"id", "title", "formula", "range", "source", "blind_to", "lower_is_better"});
+    CHECK(keys(metrics[0]) == std::set<std::string>{"id", "title", "formula", "range", "source", "blind_to",
+                                                    "lower_is_better", "applies_to"});
 }
 
 TEST_CASE("Lists as text have one line for each entry under a heading", "[cli]") {

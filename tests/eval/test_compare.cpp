@@ -3,23 +3,12 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "eval/compare.h"
+#include "tests/eval/channels.h"
 
 using namespace gnomon;
+using namespace gnomon_tests;
 
 namespace {
-
-ChannelImage with_channels(const std::vector<std::pair<std::string, float>>& values, int width = 16, int height = 12) {
-    ChannelImage image;
-    for (const auto& [name, value] : values) image.add(name, Image<float>(width, height, value));
-    return image;
-}
-
-double value_of(const Comparison& comparison, const std::string& id) {
-    for (const auto& [name, value] : comparison.metrics)
-        if (name == id) return value;
-    return std::nan("");
-}
 
 template <class Failure>
 std::string error_of(const ChannelImage& test, const ChannelImage& reference, CompareOptions options = {}) {

@@ -118,3 +118,33 @@ TEST_CASE("an error map has the same bits for any number of threads") {
         CHECK(std::equal(many.values().begin(), many.values().end(), one.values().begin()));
     });
 }
+
+TEST_CASE("the overlay shows leaks and false shadows, on the reference") {
+    const ErrorMapOptions options{ErrorMapKind::Overlay, 1.0f, false, ""};
+    CHECK(near(color_of(1.0f, 0.0f, options), rgb(0xb00810))); // a leak
+    CHECK(near(color_of(0.0f, 1.0f, options), rgb(0x0a1f9c))); // a false shadow
+    CHECK(near(color_of(0.05f, 0.0f, options), vec3(0.25f)));  // no leak yet: the reference's dark grey
+    CHECK(near(color_of(0.95f, 1.0f, options), vec3(0.85f)));  // no false shadow yet: its light grey
+    CHECK(near(color_of(0.0f, 0.5f, options), vec3(0.55f)));   // of the penumbra it says nothing
+    const Image<float> values =
+        error_values(ErrorMapKind::Overlay, Image<float>(1, 1, 0.25f), Image<float>(1, 1, 0.0f));
+    CHECK(values(0, 0) == 0.25f);
+}
+
+TEST_CASE("false colours run from blue over green to red") {
+    const ErrorMapOptions options{ErrorMapKind::FalseColor, 1.0f, false, ""};
+    CHECK(near(color_of(0.5f, 0.5f, options), rgb(0x0000ff)));
+    CHECK(near(color_of(1.0f, 0.5f, options), rgb(0x00ff00)));
+    CHECK(near(color_of(0.0f, 1.0f, options), rgb(0xff0000)));
+}
+
+TEST_CASE("a FLIP map runs through magma from nothing to one") {
+    Image<float> map(3, 1, 0.0f);
+    map(1, 0) = 1.0f, map(2, 0) = std::nanf("");
+    const Image<vec3> picture = draw_error_values(map, map, everywhere, {ErrorMapKind::Flip, 0.0f, false, ""});
+    CHECK(near(picture(0, 0), rgb(0x000004)));
+    CHECK(near(picture(1, 0), rgb(0xfcfdbf)));
+    CHECK(picture(2, 0) == missing_color);
+    for (int kind = 0; kind < error_map_kinds; ++kind)
+        CHECK_FALSE(std::string(error_map_kind_name(static_cast<ErrorMapKind>(kind))).empty());
+}

@@ -21,7 +21,7 @@ double value_of(const std::string& id, const Image<float>& test, const Image<flo
                 const Image<std::uint8_t>& mask = everywhere) {
     const Metric* metric = find_metric(id);
     REQUIRE(metric);
-    return metric->evaluate({test, reference, mask});
+    return evaluate(*metric, {test, reference, mask});
 }
 
 // A ramp with structure on many scales, and a disturbed copy of it.
@@ -125,7 +125,7 @@ TEST_CASE("a metric without pixels does not apply") {
     const Image<std::uint8_t> nowhere(20, 20, 0);
     for (const Metric& metric : metrics()) {
         INFO(metric.id);
-        CHECK(std::isnan(metric.evaluate({image, image, nowhere})));
+        CHECK(std::isnan(evaluate(metric, {image, image, nowhere})));
     }
     const Image<float> small(10, 40, 0.5f);
     CHECK(std::isnan(value_of("ssim", small, small)));
@@ -153,10 +153,10 @@ TEST_CASE("metrics have the same bits for any number of threads") {
     for (const Metric& metric : metrics()) {
         INFO(metric.id);
         double one = 0.0;
-        with_threads(1, [&] { one = metric.evaluate({test, reference, everywhere}); });
+        with_threads(1, [&] { one = evaluate(metric, {test, reference, everywhere}); });
         for (const int threads : {2, 7})
             with_threads(threads, [&] {
-                const double value = metric.evaluate({test, reference, everywhere});
+                const double value = evaluate(metric, {test, reference, everywhere});
                 CHECK((value == one || (std::isnan(value) && std::isnan(one))));
             });
     }
@@ -201,5 +201,16 @@ TEST_CASE("metrics agree with scikit-image and NumPy on photographs and shadows"
         const nlohmann::ordered_json found = comparison_json(comparison)["metrics"];
         for (const char* id : {"mse", "rmse", "mae"})
             CHECK(found[id].get<double>() == Approx(pair[id].get<double>()).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("the documentation says of every metric what the table says") {
+    const std::string page = read_file(std::string(GNOMON_SOURCE) + "/docs/metrics.md");
+    for (const Metric& metric : metrics()) {
+        INFO(metric.id);
+        CHECK(page.find("### `" + metric.id + "`: " + metric.title + "\n\n" + metric.formula + ".\n") !=
+              std::string::npos);
+        CHECK(page.find("* range: " + metric.range + "\n* blind to: " + metric.blind_to +
+                        "\n* source: " + metric.source) != std::string::npos);
     }
 }
