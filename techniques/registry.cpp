@@ -8,8 +8,9 @@ namespace gnomon {
 
 std::span<const Entry> techniques() {
     static const std::vector<Entry> entries = {
-        sm_entry(),       pcf_entry(),      vsm_entry(),       pcss_entry(),
-        sv_zpass_entry(), sv_zfail_entry(), raytraced_entry(), truth_entry(),
+        sm_entry(),          pcf_entry(),       vsm_entry(),   esm_entry(),  evsm_entry(),
+        csm_fourier_entry(), gsm_entry(),       msm_entry(),   pcss_entry(), sv_zpass_entry(),
+        sv_zfail_entry(),    raytraced_entry(), truth_entry(),
     };
     return entries;
 }

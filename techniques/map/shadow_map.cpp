@@ -62,6 +62,7 @@ MapPoint map_point(const LightMap& map, const Light& light, const Receiver& rece
         p += receiver.geometric_normal *
              static_cast<float>(static_cast<double>(map.params.normal_offset) * texel * sine);
     }
+    point.position = p;
     const vec4 clip = transform(view.to_clip, p);
     if (!(clip.w > 0)) {
         point.lit = true;

@@ -78,6 +78,7 @@ struct MapPoint {
     bool lit = false;  // no look-up needed: behind the light's view, or beyond its far plane
     bool dark = false; // no look-up needed: the receiver faces away from the light
     int layer = 0;
+    vec3 position{0.0f}; // the receiver's, moved by the normal offset
     vec2 texel{0.0f};
     float depth = 0.0f;  // window depth, constant bias subtracted
     vec2 gradient{0.0f}; // window depth per texel along the receiver's plane; zero unless asked for
