@@ -115,6 +115,33 @@ float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2
     return static_cast<float>(lit) / static_cast<float>(n * n);
 }
 
+float mean_of_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets,
+                    PassCounters& counters) {
+    int lit = 0;
+    for (const vec2 offset : offsets) {
+        const ivec2 texel(glm::floor(point.texel + offset));
+        lit += shadow_test(map, point.layer, texel.x, texel.y, point.depth_at(texel.x, texel.y), counters) > 0.0f;
+    }
+    return static_cast<float>(lit) / static_cast<float>(offsets.size());
+}
+
+float mean_of_bilinear_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets,
+                             PassCounters& counters) {
+    float sum = 0.0f;
+    for (const vec2 offset : offsets) {
+        const vec2 corner = point.texel + offset - 0.5f, low = glm::floor(corner), f = corner - low;
+        const ivec2 texel(low);
+        const float depth = point.depth + (point.gradient.x * offset.x + point.gradient.y * offset.y);
+        const auto test = [&](int x, int y) {
+            return shadow_test(map, point.layer, texel.x + x, texel.y + y, depth, counters);
+        };
+        const float lower = test(0, 0) * (1.0f - f.x) + test(1, 0) * f.x;
+        const float upper = test(0, 1) * (1.0f - f.x) + test(1, 1) * f.x;
+        sum += lower * (1.0f - f.y) + upper * f.y;
+    }
+    return sum / static_cast<float>(offsets.size());
+}
+
 Image<float> show_depth(const Target& depth, int layer) {
     Image<float> shown(depth.width(), depth.height());
     float least = 1.0f;

@@ -2,6 +2,8 @@
 // The light's shadow-map pass and the way from a receiver to its place on the map: what every image-based technique
 // starts with. [Williams 1978; Macedo 2018, 0.2 to 0.5; Navrátil 2015, 2.2]
 
+#include <span>
+
 #include "core/parameters.h"
 #include "raster/sampler.h"
 #include "techniques/map/light_view.h"
@@ -116,6 +118,14 @@ inline float shadow_test(const ShadowMap& map, int layer, int x, int y, float de
 // Mean of n×n nearest shadow tests at offsets spread evenly over ±reach texels around the point: the centres of n×n
 // cells, v outer and u inner. [Reeves et al. 1987; Macedo 2018, 2.18]
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters);
+
+// The same at any offsets from the point, in texels.
+float mean_of_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets, PassCounters& counters);
+
+// Mean of hardware comparisons at these offsets: each the bilinear mean of the four nearest texels' tests against one
+// depth, that of the receiver's plane at the offset; four fetches each. [Reeves et al. 1987; OpenGL 4.6, 8.23.1]
+float mean_of_bilinear_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets,
+                             PassCounters& counters);
 
 // One layer of the map as an image, for showing: depth scaled so that the casters' range is black to white.
 Image<float> show_depth(const Target& depth, int layer);

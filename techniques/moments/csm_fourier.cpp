@@ -111,13 +111,19 @@ private:
 } // namespace
 
 Entry csm_fourier_entry() {
-    return make_entry<CsmFourier, CsmParams>({.id = "csm-fourier",
-                                              .title = "convolution shadow map",
-                                              .family = "moments",
-                                              .kind = TechniqueKind::Filtered,
-                                              .paper = "Annen et al. 2007; Macedo 2018, 2.23",
-                                              .lights = all_lights},
-                                             csm_fields);
+    return make_entry<CsmFourier, CsmParams>(
+        {.id = "csm-fourier",
+         .title = "convolution shadow map",
+         .family = "moments",
+         .kind = TechniqueKind::Filtered,
+         .paper = "Annen et al. 2007; Macedo 2018, 2.23",
+         .lights = all_lights,
+         .section = "2.4",
+         .equations = "V = 1/2 + 2 sum a_k/c_k sin(c_k (z - t))",
+         .strengths = "bleeds by no more than its ringing, wherever the layers lie",
+         .artifacts =
+             "ringing, bands of a few per cent; contacts closer than offset are lit; terms/2 images of memory"},
+        csm_fields);
 }
 
 } // namespace gnomon

@@ -19,6 +19,7 @@ enum class Store { Log, Exponential };
 struct EsmParams : MomentMapParams {
     Store store = Store::Log;
     float exponent = 80.0f;
+    float filter_exponent = 0.0f;
 };
 constexpr auto esm_fields = join(
     moment_map_fields,
@@ -28,7 +29,11 @@ constexpr auto esm_fields = join(
            field("exponent", &EsmParams::exponent, 1, 1000, "per linear depth",
                  "c: the larger, the less light gets past casters close to the receiver; above 88 store=exponential "
                  "overflows",
-                 "Annen et al. 2008, 4.3")));
+                 "Annen et al. 2008, 4.3"),
+           field("filter-exponent", &EsmParams::filter_exponent, 0, 1000, "per linear depth",
+                 "c of the blur of store=log; 0: exponent", "Macedo 2018, 2.20"),
+           preset("published", "size=2048,near=1,border=shadow,kernel=7,exponent=80,filter-exponent=1",
+                  "as in the author's program", "Macedo 2018, 2.30")));
 
 class Esm : public Technique {
 public:
@@ -50,7 +55,7 @@ public:
         show_channels(visibility, "moments", moments);
         FilteredMap filtered;
         if (log) {
-            blur_map(frame, moments, params_, c);
+            blur_map(frame, moments, params_, params_.filter_exponent > 0 ? params_.filter_exponent : c);
             filtered.levels.push_back(std::move(moments));
         } else {
             filtered = filter_map(frame, std::move(moments), params_);
@@ -84,13 +89,19 @@ private:
 } // namespace
 
 Entry esm_entry() {
-    return make_entry<Esm, EsmParams>({.id = "esm",
-                                       .title = "exponential shadow map",
-                                       .family = "moments",
-                                       .kind = TechniqueKind::Filtered,
-                                       .paper = "Annen et al. 2008; Salvi 2008; Macedo 2018, 2.20",
-                                       .lights = all_lights},
-                                      esm_fields);
+    return make_entry<Esm, EsmParams>(
+        {.id = "esm",
+         .title = "exponential shadow map",
+         .family = "moments",
+         .kind = TechniqueKind::Filtered,
+         .paper = "Annen et al. 2008; Salvi 2008; Macedo 2018, 2.20",
+         .lights = all_lights,
+         .section = "2.4",
+         .equations = "V = clamp(E[e^(cz)] e^(-ct))",
+         .strengths = "one channel; nothing leaks where casters lie well in front of the receiver",
+         .artifacts = "light leaks where caster and receiver touch, by e^(-c distance); receivers that are not plane "
+                      "within the filter get lit or dark too much; above c = 88 store=exponential overflows"},
+        esm_fields);
 }
 
 } // namespace gnomon

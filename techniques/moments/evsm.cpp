@@ -43,7 +43,9 @@ constexpr auto evsm_fields =
                       "of components=published", "Macedo 2018, 2.21"),
                 field("min-deviation", &EvsmParams::min_deviation, 0, 1, "linear depth, from -1 to 1",
                       "least standard deviation of the look-up before the warp; published: of linear depth",
-                      "Macedo 2018, 2.21")));
+                      "Macedo 2018, 2.21"),
+                preset("published", "size=2048,near=1,border=shadow,kernel=7,components=published,min-deviation=0",
+                       "as in the author's program", "Macedo 2018, 2.30")));
 
 class Evsm : public Technique {
 public:
@@ -101,13 +103,19 @@ private:
 } // namespace
 
 Entry evsm_entry() {
-    return make_entry<Evsm, EvsmParams>({.id = "evsm",
-                                         .title = "exponential variance shadow map",
-                                         .family = "moments",
-                                         .kind = TechniqueKind::Filtered,
-                                         .paper = "Lauritzen, McCool 2008; Macedo 2018, 2.21",
-                                         .lights = all_lights},
-                                        evsm_fields);
+    return make_entry<Evsm, EvsmParams>(
+        {.id = "evsm",
+         .title = "exponential variance shadow map",
+         .family = "moments",
+         .kind = TechniqueKind::Filtered,
+         .paper = "Lauritzen, McCool 2008; Macedo 2018, 2.21",
+         .lights = all_lights,
+         .section = "2.4",
+         .equations = "V = min of Chebyshev's bound on both warps",
+         .strengths = "light bleeds only where both warps let it",
+         .artifacts =
+             "light bleeds where casters lie close in front of the receiver; exponents above 42 overflow 32 bits"},
+        evsm_fields);
 }
 
 } // namespace gnomon

@@ -23,7 +23,9 @@ constexpr auto vsm_fields = join(
                  "adds the variance of depth within a texel, a quarter of its squared gradient, to the second moment",
                  "Donnelly and Lauritzen 2006, 4.1"),
            field("min-variance", &VsmParams::min_variance, 0, 1, "linear depth squared",
-                 "least variance of the look-up", "Donnelly and Lauritzen 2006, 4.1")));
+                 "least variance of the look-up", "Donnelly and Lauritzen 2006, 4.1"),
+           preset("published", "size=2048,near=1,border=shadow,kernel=7,slope-variance=true,min-variance=0",
+                  "as in the author's program", "Macedo 2018, 2.30")));
 
 class Vsm : public Technique {
 public:
@@ -65,13 +67,19 @@ private:
 } // namespace
 
 Entry vsm_entry() {
-    return make_entry<Vsm, VsmParams>({.id = "vsm",
-                                       .title = "variance shadow map",
-                                       .family = "moments",
-                                       .kind = TechniqueKind::Filtered,
-                                       .paper = "Donnelly, Lauritzen 2006; Macedo 2018, 2.19",
-                                       .lights = all_lights},
-                                      vsm_fields);
+    return make_entry<Vsm, VsmParams>(
+        {.id = "vsm",
+         .title = "variance shadow map",
+         .family = "moments",
+         .kind = TechniqueKind::Filtered,
+         .paper = "Donnelly, Lauritzen 2006; Macedo 2018, 2.19",
+         .lights = all_lights,
+         .section = "2.4",
+         .equations = "V = s2/(s2 + (t - mu)^2)",
+         .strengths = "filters of any size for the price of one look-up; no bias where a plane is seen at a slant",
+         .artifacts = "light bleeds through a caster where the filter also covers a nearer one: V = s2/(s2 + (t - "
+                      "mu)^2) > 0 in the umbra"},
+        vsm_fields);
 }
 
 } // namespace gnomon
