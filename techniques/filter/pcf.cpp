@@ -31,8 +31,9 @@ constexpr auto pcf_fields = join(
         field("radius", &PcfParams::radius, 0, 512, "texels",
               "half the side of the square that the taps cover; 0: kernel/2, one texel apart", "Macedo 2018, 2.18"),
         field("taps", &PcfParams::taps, "cells|published|poisson|bilinear",
-              "at the centres of kernel x kernel cells; from -radius to radius in steps of 2 radius/kernel, counted in "
-              "floats, so that a side has kernel or kernel+1; `samples` Poisson-disc points; or kernel x kernel "
+              "at the centres of kernel x kernel cells; from -radius up to radius in steps of 2 radius/kernel, counted "
+              "in "
+              "floats, so that a side has kernel taps or one more; `samples` Poisson-disc points; or kernel x kernel "
               "hardware comparisons, each the bilinear mean of four tests against one depth",
               "Macedo 2018, 2.18"),
         field("samples", &PcfParams::samples, 1, 4096, "taps", "of taps=poisson"),
@@ -87,7 +88,7 @@ private:
         }
         const auto n = static_cast<float>(params_.kernel);
         if (params_.taps == Taps::Published)
-            for (float o = -reach; o <= reach; o += 2.0f * reach / n) side.push_back(o);
+            for (float o = -reach; o < reach; o += 2.0f * reach / n) side.push_back(o);
         else
             for (int i = 0; i < params_.kernel; ++i) side.push_back(reach * (static_cast<float>(2 * i + 1) / n - 1.0f));
         return square_of(side);

@@ -2,6 +2,7 @@
 // The light's shadow-map pass and the way from a receiver to its place on the map: what every image-based technique
 // starts with. [Williams 1978; Macedo 2018, 0.2 to 0.5; Navrátil 2015, 2.2]
 
+#include <algorithm>
 #include <span>
 
 #include "core/parameters.h"
@@ -85,10 +86,10 @@ struct MapPoint {
     float depth = 0.0f;  // window depth, constant bias subtracted
     vec2 gradient{0.0f}; // window depth per texel along the receiver's plane; zero unless asked for
 
-    // Depth to compare with at the centre of texel (x, y).
+    // Depth to compare with at the centre of texel (x, y); no farther than the far plane, beyond which nothing casts.
     float depth_at(int x, int y) const {
-        return depth + (gradient.x * (static_cast<float>(x) + 0.5f - texel.x) +
-                        gradient.y * (static_cast<float>(y) + 0.5f - texel.y));
+        return std::min(1.0f, depth + (gradient.x * (static_cast<float>(x) + 0.5f - texel.x) +
+                                       gradient.y * (static_cast<float>(y) + 0.5f - texel.y)));
     }
 };
 

@@ -36,10 +36,15 @@ template <class T> T reduce_bleeding(T lit, T amount) { return saturate((lit - a
 template <class T> using FourMoments = glm::vec<4, T>;
 template <class T> FourMoments<T> four_moments(T z) { return {z, z * z, z * z * z, (z * z) * (z * z)}; }
 
-// Towards the moments of a half at 0 and a half at 1, so that rounding leaves them those of a distribution. [Peters and
-// Klein 2015, 3.3]
-template <class T> FourMoments<T> biased(const FourMoments<T>& b, T amount) {
-    return b * (T(1) - amount) + FourMoments<T>(T(0.5) * amount);
+// Moments of distributions that others are blended with, so that rounding leaves them those of a distribution: a half
+// at 0 and a half at 1 [Peters and Klein 2015, 3.3]; or 3/16 there and 5/8 at ½, which helps where all depths lie at
+// the two ends as well [Peters et al. 2017, with (0, 0.375, 0, 0.375) for depths in −1 to 1].
+template <class T> inline constexpr FourMoments<T> moments_of_ends{T(0.5), T(0.5), T(0.5), T(0.5)};
+template <class T>
+inline constexpr FourMoments<T> moments_of_ends_and_middle{T(0.5), T(0.34375), T(0.265625), T(0.2265625)};
+template <class T>
+FourMoments<T> biased(const FourMoments<T>& b, T amount, const FourMoments<T>& towards = moments_of_ends<T>) {
+    return b * (T(1) - amount) + towards * amount;
 }
 
 // The depths z1 ≤ z2 which, together with t, carry a distribution of these moments on three points.

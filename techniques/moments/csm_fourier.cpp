@@ -23,6 +23,7 @@ struct CsmParams : MomentMapParams {
     float offset = 0.04f;
     float scale = 1.05f;
     MomentFormat format = MomentFormat::Unorm8;
+    CsmParams() { plane_bias = 1.0f; }
 };
 constexpr auto csm_fields = join(
     moment_map_fields,

@@ -25,27 +25,28 @@ struct EvsmParams : MomentMapParams {
     float positive = 40.0f;
     float negative = 5.0f;
     float published_exponent = 60.0f;
-    float min_deviation = 1e-3f;
+    float min_deviation = 1e-4f;
+    EvsmParams() { plane_bias = 1.0f; }
 };
-constexpr auto evsm_fields =
-    join(moment_map_fields,
-         fields(field("components", &EvsmParams::components, "four|two|published",
-                      "both warps, the positive one alone, or depth's own moments with the exponential of their mean",
-                      "Macedo 2018, 2.21"),
-                field("format", &EvsmParams::format, "float32|half",
-                      "what the map stores a moment in; half holds exponents up to 5.5"),
-                field("positive", &EvsmParams::positive, 0.1, 1000, "",
-                      "exponent of the positive warp, for depths in -1 to 1; 32 bits hold up to 42 and half up to 5.5",
-                      "Macedo 2018, 2.21"),
-                field("negative", &EvsmParams::negative, 0.1, 1000, "", "exponent of the negative warp",
-                      "Macedo 2018, 2.21"),
-                field("published-exponent", &EvsmParams::published_exponent, 1, 1000, "per linear depth",
-                      "of components=published", "Macedo 2018, 2.21"),
-                field("min-deviation", &EvsmParams::min_deviation, 0, 1, "linear depth, from -1 to 1",
-                      "least standard deviation of the look-up before the warp; published: of linear depth",
-                      "Macedo 2018, 2.21"),
-                preset("published", "size=2048,near=1,border=shadow,kernel=7,components=published,min-deviation=0",
-                       "as in the author's program", "Macedo 2018, 2.30")));
+constexpr auto evsm_fields = join(
+    moment_map_fields,
+    fields(
+        field("components", &EvsmParams::components, "four|two|published",
+              "both warps, the positive one alone, or depth's own moments with the exponential of their mean",
+              "Macedo 2018, 2.21"),
+        field("format", &EvsmParams::format, "float32|half",
+              "what the map stores a moment in; half holds exponents up to 5.5"),
+        field("positive", &EvsmParams::positive, 0.1, 1000, "",
+              "exponent of the positive warp, for depths in -1 to 1; 32 bits hold up to 42 and half up to 5.5",
+              "Macedo 2018, 2.21"),
+        field("negative", &EvsmParams::negative, 0.1, 1000, "", "exponent of the negative warp", "Macedo 2018, 2.21"),
+        field("published-exponent", &EvsmParams::published_exponent, 1, 1000, "per linear depth",
+              "of components=published", "Macedo 2018, 2.21"),
+        field("min-deviation", &EvsmParams::min_deviation, 0, 1, "linear depth, from -1 to 1",
+              "least standard deviation of the look-up before the warp; published: of linear depth",
+              "Macedo 2018, 2.21"),
+        preset("published", "size=2048,near=1,border=shadow,kernel=7,components=published,min-deviation=0,plane-bias=0",
+               "as in the author's program", "Macedo 2018, 2.30")));
 
 class Evsm : public Technique {
 public:

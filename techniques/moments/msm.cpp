@@ -4,7 +4,8 @@
 //
 // 1. moments: b = (t, t², t³, t⁴) of linear depth t; in 16 bits Θ b + o, whose rounding harms them least.
 // 2. pre-filter: linear, so it may work on Θ b + o.
-// 3. look-up: b ← (1 − α) b + α (½, ½, ½, ½), then V = the bound of algorithm 2 or 3 of the paper.
+// 3. look-up: b ← (1 − α) b + α b', b' the moments of a fixed distribution, then V = the bound of algorithm 2 or 3 of
+// the paper.
 //
 // The bound is below 1 as soon as some of a receiver's own plane lies in front of it in the filter: plane-bias takes
 // care of that.
@@ -18,11 +19,13 @@ namespace {
 
 enum class Problem { Hamburger, Hausdorff };
 enum class Storage { Float32, Unorm16, Plain16 };
+enum class Towards { EndsAndMiddle, Ends };
 
 struct MsmParams : MomentMapParams {
     Problem problem = Problem::Hamburger;
     Storage format = Storage::Float32;
     float moment_bias = 3e-5f;
+    Towards bias_towards = Towards::EndsAndMiddle;
     MsmParams() { plane_bias = 1.0f; }
 };
 constexpr auto msm_fields = join(
@@ -36,7 +39,12 @@ constexpr auto msm_fields = join(
                  "alpha, the share of a blend towards moments that no rounding can spoil; 3e-7 leaks less, but leaves "
                  "dark specks of rounding even with float32",
                  "Peters and Klein 2015, 3.3; Macedo 2018, 2.22, 2.30"),
-           preset("published", "size=2048,near=1,border=shadow,kernel=7,moment-bias=3e-5,plane-bias=0",
+           field("bias-towards", &MsmParams::bias_towards, "ends-and-middle|ends",
+                 "the distribution of that blend: depths 0, 1/2 and 1, or 0 and 1 alone, which is no help where layers "
+                 "lie at both ends of the view",
+                 "Peters et al. 2017; Peters and Klein 2015, 3.3"),
+           preset("published",
+                  "size=2048,near=1,border=shadow,kernel=7,moment-bias=3e-5,bias-towards=ends,plane-bias=0",
                   "as in the author's program", "Macedo 2018, 2.30")));
 
 class Msm : public Technique {
@@ -50,13 +58,15 @@ public:
         Target moments = draw_moments(frame, map, format, [&](float t, float, float) {
             return quantized ? quantize_moments(four_moments(t)) : four_moments(t);
         });
+        const vec4 towards =
+            params_.bias_towards == Towards::Ends ? moments_of_ends<float> : moments_of_ends_and_middle<float>;
         Visibility visibility;
         show_channels(visibility, "moments", moments);
         const FilteredMap filtered = filter_map(frame, std::move(moments), params_);
         visibility.values =
             for_each_moment_point(frame, light, map, [&](const MomentPoint& at, PassCounters& counters) {
                 const vec4 mean = filtered_mean(filtered, at, counters);
-                const vec4 b = biased(quantized ? dequantize_moments(mean) : mean, params_.moment_bias);
+                const vec4 b = biased(quantized ? dequantize_moments(mean) : mean, params_.moment_bias, towards);
                 return params_.problem == Problem::Hamburger ? hamburger(b, at.t) : hausdorff(b, at.t);
             });
         show_filtered(visibility, filtered, params_);
