@@ -16,6 +16,7 @@ namespace {
 
 constexpr size_t stripe_values = 256; // values across of one task along columns
 constexpr size_t band_rows = 64;      // a power of two
+constexpr size_t rows_of_task = 16;
 
 template <class T> constexpr bool fixed_point = std::is_integral_v<T>;
 
@@ -225,7 +226,7 @@ template <class T> SummedArea<T> summed_area(Pass& pass, const Target& source, c
     table.metered = MeteredBytes(options.meter, bytes);
     const MeteredBytes ping_pong(options.meter, bytes);
 
-    parallel_for(static_cast<size_t>(height), detail::full_screen_rows, [&](size_t begin, size_t end) {
+    parallel_for(static_cast<size_t>(height), rows_of_task, [&](size_t begin, size_t end) {
         std::vector<float> values, other(row_values);
         for (size_t y = begin; y < end; ++y) {
             detail::load_row(source, static_cast<int>(y), options.layer, 0, values);
