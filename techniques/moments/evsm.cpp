@@ -26,7 +26,7 @@ struct EvsmParams : MomentMapParams {
     float negative = 5.0f;
     float published_exponent = 60.0f;
     float min_deviation = 1e-4f;
-    EvsmParams() { plane_bias = 1.0f; }
+    EvsmParams() { plane_bias = 0.5f; }
 };
 constexpr auto evsm_fields = join(
     moment_map_fields,

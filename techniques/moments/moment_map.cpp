@@ -12,17 +12,31 @@
 namespace gnomon {
 namespace {
 
+float blur_sigma(const MomentMapParams& params) {
+    return params.sigma > 0 ? params.sigma : static_cast<float>(params.kernel) / 6.0f;
+}
+
 std::vector<float> blur_weights(const MomentMapParams& params) {
     switch (params.blur) {
     case BlurShape::Box:
         return box_weights(params.kernel);
     case BlurShape::Gaussian:
-        return gaussian_weights(
-            params.kernel,
-            static_cast<double>(params.sigma > 0 ? params.sigma : static_cast<float>(params.kernel) / 6));
+        return gaussian_weights(params.kernel, static_cast<double>(blur_sigma(params)));
     default:
         return binomial_weights(params.kernel);
     }
+}
+
+// Largest standard deviation in texels of a look-up of that width along an axis: w²/12 of a box, and f(1 − f) w² more
+// between the centres of texels as wide.
+float deviation_of(const MomentMapParams& params, float width) {
+    const auto kernel = static_cast<float>(params.kernel);
+    float variance = width * width / (params.prefilter == Prefilter::Sat ? 12.0f : 3.0f);
+    if (params.prefilter == Prefilter::Blur)
+        variance += params.blur == BlurShape::Box        ? kernel * kernel / 12.0f
+                    : params.blur == BlurShape::Gaussian ? blur_sigma(params) * blur_sigma(params)
+                                                         : (kernel - 1.0f) / 4.0f;
+    return std::sqrt(variance);
 }
 
 // Fraction bits with which a box of `widest` + 1 texels a side, border texels whole, stays below 2³².
@@ -164,8 +178,7 @@ std::variant<float, MomentPoint> moment_point(const Frame& frame, const Light& l
     if (params.footprint) at.width = std::max(at.width, footprint_of(frame, view, params.size, receiver, pixel));
     if (plane) {
         const vec2 slope = glm::abs(linear_gradient(view, point));
-        const float reach = 0.5f * std::max(kernel, at.width) + 1.0f; // one more for the bilinear look-up
-        at.t -= params.plane_bias * (slope.x + slope.y) * reach;
+        at.t -= params.plane_bias * (slope.x + slope.y) * deviation_of(params, at.width);
     }
     return at;
 }

@@ -40,29 +40,30 @@ struct MomentMapParams : MapParams {
 
 constexpr auto moment_map_fields = join(
     map_fields,
-    fields(field("kernel", &MomentMapParams::kernel, 1, 63, "texels", "side of the filter", "Macedo 2018, 4.3.1"),
-           field("prefilter", &MomentMapParams::prefilter, "blur|mip|sat",
-                 "separable blur and bilinear look-up; mip map, trilinear at the level whose texels are as wide as the "
-                 "filter; or summed-area table, a box of exactly that width about the receiver",
-                 "Macedo 2018, 2.19, 2.24"),
-           field("blur", &MomentMapParams::blur, "binomial|box|gaussian",
-                 "shape of prefilter=blur: binomial has sigma sqrt((kernel-1)/4)", "Macedo 2018, 2.19"),
-           field("sigma", &MomentMapParams::sigma, 0, 64, "texels", "of blur=gaussian; 0: kernel/6"),
-           field("sums", &MomentMapParams::sums, "float|double|uint32|int64",
-                 "what prefilter=sat sums in: as a GPU's floats do, in double, or in fixed point, of 32 bits that wrap "
-                 "around or exact",
-                 "Macedo 2018, 2.24"),
-           field("footprint", &MomentMapParams::footprint,
-                 "filter over no less than the pixel covers on the map, with mip levels of the blurred map where "
-                 "prefilter=blur",
-                 "Donnelly and Lauritzen 2006, 4.2"),
-           field("plane-bias", &MomentMapParams::plane_bias, 0, 8, "",
-                 "brings the receiver nearer by this times the depth that its own plane spans from the centre of the "
-                 "filter to its corner: with 1 a plane never shadows itself",
-                 "Peters and Klein 2015, 3.4"),
-           field("bleeding", &MomentMapParams::bleeding, 0, 0.999, "",
-                 "light bleeding reduction: fractions lit up to this are dark, the rest is stretched",
-                 "Lauritzen 2007, 8.4.3")));
+    fields(
+        field("kernel", &MomentMapParams::kernel, 1, 63, "texels", "side of the filter", "Macedo 2018, 4.3.1"),
+        field("prefilter", &MomentMapParams::prefilter, "blur|mip|sat",
+              "separable blur and bilinear look-up; mip map, trilinear at the level whose texels are as wide as the "
+              "filter; or summed-area table, a box of exactly that width about the receiver",
+              "Macedo 2018, 2.19, 2.24"),
+        field("blur", &MomentMapParams::blur, "binomial|box|gaussian",
+              "shape of prefilter=blur: binomial has sigma sqrt((kernel-1)/4)", "Macedo 2018, 2.19"),
+        field("sigma", &MomentMapParams::sigma, 0, 64, "texels", "of blur=gaussian; 0: kernel/6"),
+        field("sums", &MomentMapParams::sums, "float|double|uint32|int64",
+              "what prefilter=sat sums in: as a GPU's floats do, in double, or in fixed point, of 32 bits that wrap "
+              "around or exact",
+              "Macedo 2018, 2.24"),
+        field("footprint", &MomentMapParams::footprint,
+              "filter over no less than the pixel covers on the map, with mip levels of the blurred map where "
+              "prefilter=blur",
+              "Donnelly and Lauritzen 2006, 4.2"),
+        field("plane-bias", &MomentMapParams::plane_bias, 0, 8, "",
+              "brings the receiver nearer by this times the depth that its own plane spans over the filter's standard "
+              "deviation along both axes, so that a plane does not shadow itself",
+              "Peters and Klein 2015, 3.4"),
+        field("bleeding", &MomentMapParams::bleeding, 0, 0.999, "",
+              "light bleeding reduction: fractions lit up to this are dark, the rest is stretched",
+              "Lauritzen 2007, 8.4.3")));
 
 // The light's views with its parameters. Throws UsageError where the filter does not fit on a cube face.
 struct MomentMap : LightMap {
