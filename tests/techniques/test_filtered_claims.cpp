@@ -102,6 +102,50 @@ TEST_CASE("claim C13, variance bleeds most, percentages never, but four moments 
     }
 }
 
+TEST_CASE("claim C13 in whole scenes, light left deep in the umbra") {
+    const bool mesh = GENERATE(false, true);
+    const std::string path = mesh ? shared_path("scenes/bunny/bunny.glb") : "builtin:stacked-plates";
+    if (path.empty()) return;
+    const Scene scene = load_scene(path);
+    const int width = 480, height = 270, reach = 8;
+    Frame frame(scene, scene.cameras[0], width, height);
+    const Light& light = scene.lights[0];
+    const Image<float> truth = shade(frame, light, "raytraced").values;
+    // Umbra that faces the light, all of whose neighbours within 8 pixels are umbra.
+    Image<std::uint8_t> deep(width, height, std::uint8_t{0});
+    const auto umbra = [&](int x, int y) { return truth(x, y) == 0.0f; };
+    std::int64_t count = 0;
+    for (int y = reach; y < height - reach; ++y)
+        for (int x = reach; x < width - reach; ++x) {
+            const Receiver& receiver = frame.receivers()(x, y);
+            if (!receiver.valid() || !umbra(x, y) || !faces_light(receiver, light)) continue;
+            deep(x, y) = !changes_nearby(x, y, width, height, reach, umbra);
+            count += deep(x, y);
+        }
+    REQUIRE(count > 200);
+    const auto leak = [&](const std::string& text) {
+        const Image<float> visibility = shade(frame, light, text).values;
+        double sum = 0;
+        for (size_t i = 0; i < deep.size(); ++i)
+            if (deep.data()[i]) sum += static_cast<double>(visibility.data()[i]);
+        WARN(scene.name << ", " << count << " pixels, " << text << ": " << sum / static_cast<double>(count));
+        return sum / static_cast<double>(count);
+    };
+    // 7x7 taps are as wide as the binomial 15x15 blur: sigma 2.0 and 1.9 texels.
+    const double pcf = leak("pcf"), narrow_pcf = leak("pcf:kernel=7"), vsm = leak("vsm");
+    const double msm = leak("msm"), unbiased_msm = leak("msm:plane-bias=0");
+    for (const char* technique : {"evsm", "evsm:plane-bias=0", "esm", "gsm"}) leak(technique);
+    CHECK(vsm > unbiased_msm);
+    if (mesh) {
+        // Creases, where 15 taps reach the light and a plane's bias lifts its receiver past the blocker.
+        CHECK(pcf > narrow_pcf);
+        CHECK(msm > unbiased_msm);
+    } else {
+        CHECK(vsm > 5 * pcf);
+        CHECK(vsm > 5 * msm);
+    }
+}
+
 TEST_CASE("claim C15, PCF bands by its taps along an edge") {
     SlopedEdge sloped;
     PlatesScene straight(64, {{1.0f, left_half()}}, 0.5f, 24.0f);
