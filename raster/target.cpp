@@ -8,13 +8,14 @@
 
 #include "core/error.h"
 #include "core/image.h"
+#include "core/large_memory.h"
 #include "core/parallel.h"
-#include "raster/pages.h"
 
 namespace gnomon {
 namespace {
 
 using Kind = FormatInfo::Kind;
+constexpr size_t clear_grain = size_t{2} << 20; // bytes
 
 template <class T> T read(const std::byte* bytes, int i) {
     T value;
@@ -36,7 +37,7 @@ constexpr std::array<float, 256> unorm8 = [] {
 } // namespace
 
 void Target::Release::operator()(std::byte* bytes) const {
-    release_pages(bytes, size);
+    free_large(bytes, size);
     if (meter) meter->release(static_cast<std::int64_t>(size));
 }
 
@@ -53,11 +54,10 @@ Target::Target(Format format, int width, int height, int layers, std::shared_ptr
         throw UsageError(fmt::format("a render target of {}x{} has between 1 and {} mip levels, not {}", width, height,
                                      full_level_count(width, height), levels));
     size_ = level_begin(levels);
-    std::byte* bytes = allocate_pages(size_);
+    auto* bytes = static_cast<std::byte*>(allocate_large(size_));
     if (meter) meter->allocate(static_cast<std::int64_t>(size_));
     bytes_ = {bytes, Release{size_, std::move(meter)}};
-    constexpr size_t grain = size_t{2} << 20;
-    parallel_for(size_, grain, [&](size_t begin, size_t end) { std::memset(bytes + begin, 0, end - begin); });
+    parallel_for(size_, clear_grain, [&](size_t begin, size_t end) { std::memset(bytes + begin, 0, end - begin); });
 }
 
 size_t Target::level_begin(int level) const {
