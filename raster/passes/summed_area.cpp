@@ -15,7 +15,8 @@ namespace gnomon {
 namespace {
 
 constexpr size_t stripe_values = 256; // values across of one task along columns
-constexpr size_t band_rows = 64;      // a power of two
+constexpr size_t near_rows = 64;      // a power of two
+constexpr size_t band_rows = 256;
 constexpr size_t rows_of_task = 16;
 
 template <class T> constexpr bool fixed_point = std::is_integral_v<T>;
@@ -134,8 +135,8 @@ template <class T> void sum_up(T* first, size_t row_values, size_t height, size_
     for (size_t y = 1; y < height; ++y) add(first + y * row_values, first + (y - 1) * row_values, count);
 }
 
-// The same by recursive doubling, in two sweeps that stay in the cache: steps below a band's height in bands, from the
-// top down, with what they need of the rows below; then the longer ones among rows that lie whole bands apart.
+// The same by recursive doubling, in two sweeps that stay in the cache: steps below near_rows in bands, from the top
+// down, with what they need of the rows below; then the longer ones among rows that lie so many apart.
 void sum_up(float* first, size_t row_values, size_t height, size_t count) {
     std::vector<float> values, other;
     const auto rows = [&](size_t begin, size_t stride, size_t number, size_t kept, size_t end) {
@@ -146,14 +147,14 @@ void sum_up(float* first, size_t row_values, size_t height, size_t count) {
         for (size_t r = number - kept; r < number; ++r)
             std::copy_n(&values[r * count], count, first + (begin + r * stride) * row_values);
     };
-    for (size_t bands = (height + band_rows - 1) / band_rows; bands-- > 0;) {
-        const size_t y = bands * band_rows, below = std::min(y, band_rows - 1);
+    for (size_t band = (height + band_rows - 1) / band_rows; band-- > 0;) {
+        const size_t y = band * band_rows, below = std::min(y, near_rows - 1);
         const size_t kept = std::min(band_rows, height - y);
-        rows(y - below, 1, below + kept, kept, band_rows);
+        rows(y - below, 1, below + kept, kept, near_rows);
     }
-    for (size_t y = 0; y < band_rows && y + band_rows < height; ++y) {
-        const size_t number = (height - y + band_rows - 1) / band_rows;
-        rows(y, band_rows, number, number, number);
+    for (size_t y = 0; y < near_rows && y + near_rows < height; ++y) {
+        const size_t number = (height - y + near_rows - 1) / near_rows;
+        rows(y, near_rows, number, number, number);
     }
 }
 

@@ -45,12 +45,14 @@ int wrapping_bits(int widest) {
     return std::clamp(static_cast<int>(std::floor(32.0 - 2.0 * std::log2(side))), 0, 31);
 }
 
-template <class T> std::vector<SummedArea<T>> summed_layers(Frame& frame, const Target& map, int fraction_bits) {
+template <class T>
+std::vector<SummedArea<T>> summed_layers(Frame& frame, const Target& map, int fraction_bits, float offset = 0.0f) {
     Pass pass = frame.pass("summed area");
     std::vector<SummedArea<T>> tables;
     for (int layer = 0; layer < map.layers(); ++layer)
-        tables.push_back(
-            summed_area<T>(pass, map, {.fraction_bits = fraction_bits, .layer = layer, .meter = frame.log().memory}));
+        tables.push_back(summed_area<T>(
+            pass, map,
+            {.offset = offset, .fraction_bits = fraction_bits, .layer = layer, .meter = frame.log().memory}));
     return tables;
 }
 
@@ -114,7 +116,7 @@ FilteredMap filter_map(Frame& frame, Target moments, const MomentMapParams& para
         const int bits = wrapping_bits(std::max(widest, params.kernel));
         switch (params.sums) {
         case SumKind::Float:
-            map.sums = summed_layers<float>(frame, moments, 0);
+            map.sums = summed_layers<float>(frame, moments, 0, params.sum_offset);
             break;
         case SumKind::Double:
             map.sums = summed_layers<double>(frame, moments, 0);

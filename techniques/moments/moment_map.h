@@ -32,7 +32,8 @@ struct MomentMapParams : MapParams {
     Prefilter prefilter = Prefilter::Blur;
     BlurShape blur = BlurShape::Binomial;
     float sigma = 0.0f;
-    SumKind sums = SumKind::Float;
+    SumKind sums = SumKind::Double;
+    float sum_offset = 0.5f;
     bool footprint = false;
     float plane_bias = 0.0f;
     float bleeding = 0.0f;
