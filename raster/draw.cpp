@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/image.h"
+#include "core/large_memory.h"
 #include "raster/bins.h"
 #include "raster/fast_tile.h"
 #include "raster/setup_kernels.h"
@@ -86,17 +87,15 @@ struct DrawScratch {
     template <class T> class Buffer {
     public:
         T* room_for(size_t count) {
-            if (count > capacity_) {
-                data_ = nullptr;
-                data_ = std::make_unique_for_overwrite<T[]>(count);
-                capacity_ = count;
+            if (count > data_.size()) {
+                data_ = {};
+                data_.resize(count);
             }
-            return data_.get();
+            return data_.data();
         }
 
     private:
-        std::unique_ptr<T[]> data_;
-        size_t capacity_ = 0;
+        std::vector<T, LargeAllocator<T>> data_; // uninitialized
     };
     Buffer<vec4> positions;
     Buffer<float> varyings;
