@@ -8,6 +8,11 @@ namespace gnomon {
 Entry sm_entry();
 Entry pcf_entry();
 Entry vsm_entry();
+Entry esm_entry();
+Entry evsm_entry();
+Entry csm_fourier_entry();
+Entry gsm_entry();
+Entry msm_entry();
 Entry smsr_entry();
 Entry rbsm_cons_entry();
 Entry rbsm_nonc_entry();

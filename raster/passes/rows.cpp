@@ -2,7 +2,18 @@
 
 #include <cstring>
 
+#include "core/vector_clones.h"
+
 namespace gnomon::detail {
+namespace {
+
+// As Target::load has them.
+GNOMON_VECTOR_CLONES
+void load_unorm16(const std::uint16_t* values, size_t count, float* row) {
+    for (size_t i = 0; i < count; ++i) row[i] = static_cast<float>(values[i]) / 65535.0f;
+}
+
+} // namespace
 
 void load_row(const Target& source, int y, int layer, int reach, std::vector<float>& row) {
     const FormatInfo& format = info(source.format());
@@ -11,6 +22,9 @@ void load_row(const Target& source, int y, int layer, int reach, std::vector<flo
     float* first = row.data() + reach * channels;
     if (format.kind == FormatInfo::Kind::Float || source.format() == Format::D32F) {
         std::memcpy(first, source.texel(0, y, layer), static_cast<size_t>(width * format.bytes));
+    } else if (format.kind == FormatInfo::Kind::Unorm && format.bytes == 2 * channels) {
+        load_unorm16(reinterpret_cast<const std::uint16_t*>(source.texel(0, y, layer)),
+                     static_cast<size_t>(width * channels), first);
     } else {
         for (int x = 0; x < width; ++x) {
             const vec4 value = source.load(x, y, layer);

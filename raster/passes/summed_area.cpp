@@ -1,10 +1,13 @@
 #include "raster/passes/summed_area.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <type_traits>
+#include <vector>
 
+#include "core/vector_clones.h"
 #include "raster/full_screen.h"
 #include "raster/passes/rows.h"
 
@@ -12,37 +15,119 @@ namespace gnomon {
 namespace {
 
 constexpr size_t stripe_values = 256; // values across of one task along columns
+constexpr size_t near_rows = 64;      // a power of two
+constexpr size_t band_rows = 256;
+constexpr size_t rows_of_task = 16;
 
 template <class T> constexpr bool fixed_point = std::is_integral_v<T>;
 
-// `scale` is 2^fraction_bits.
-template <class T> T stored(float value, float offset, double scale) {
-    if constexpr (!fixed_point<T>) {
-        return static_cast<T>(value) - static_cast<T>(offset);
-    } else {
-        constexpr double lowest = std::is_signed_v<T> ? -0x1p32 : 0.0;
-        constexpr double highest = std::is_signed_v<T> ? 0x1p32 : 0x1p32 - 1;
-        const double scaled = (static_cast<double>(value) - static_cast<double>(offset)) * scale;
-        return scaled == scaled ? static_cast<T>(std::nearbyint(std::clamp(scaled, lowest, highest))) : T(0);
-    }
+// (value − offset) · scale within [lowest, highest], rounded to nearest even; NaN is 0.
+struct FixedPoint {
+    double offset, scale, lowest, highest;
+};
+
+// Adding 1.5·2⁵² to a number below 2⁵¹ leaves its nearest integer in the low bits.
+constexpr double rounding = 0x1.8p52;
+inline std::int64_t nearest(float value, const FixedPoint& fixed) {
+    double scaled = (static_cast<double>(value) - fixed.offset) * fixed.scale;
+    scaled = scaled < fixed.lowest ? fixed.lowest : scaled;
+    scaled = scaled > fixed.highest ? fixed.highest : scaled;
+    scaled = scaled == scaled ? scaled : 0.0;
+    return std::bit_cast<std::int64_t>(scaled + rounding) - std::bit_cast<std::int64_t>(rounding);
 }
 
-template <class T> void add(T* sum, const T* values, size_t count) {
+GNOMON_VECTOR_CLONES
+void store_row(const float* values, size_t count, const FixedPoint& fixed, std::int64_t* row) {
+    for (size_t i = 0; i < count; ++i) row[i] = nearest(values[i], fixed);
+}
+GNOMON_VECTOR_CLONES
+void store_row(const float* values, size_t count, const FixedPoint& fixed, std::uint32_t* row) {
+    for (size_t i = 0; i < count; ++i) row[i] = static_cast<std::uint32_t>(nearest(values[i], fixed));
+}
+GNOMON_VECTOR_CLONES
+void store_row(const float* values, size_t count, const FixedPoint& fixed, double* row) {
+    for (size_t i = 0; i < count; ++i) row[i] = static_cast<double>(values[i]) - fixed.offset;
+}
+GNOMON_VECTOR_CLONES
+void store_row(const float* values, size_t count, const FixedPoint& fixed, float* row) {
+    const auto offset = static_cast<float>(fixed.offset);
+    for (size_t i = 0; i < count; ++i) row[i] = values[i] - offset;
+}
+
+GNOMON_VECTOR_CLONES
+void add(std::int64_t* sum, const std::int64_t* values, size_t count) {
+    for (size_t i = 0; i < count; ++i) sum[i] += values[i];
+}
+GNOMON_VECTOR_CLONES
+void add(std::uint32_t* sum, const std::uint32_t* values, size_t count) {
+    for (size_t i = 0; i < count; ++i) sum[i] += values[i];
+}
+GNOMON_VECTOR_CLONES
+void add(double* sum, const double* values, size_t count) {
     for (size_t i = 0; i < count; ++i) sum[i] += values[i];
 }
 
-// Running sums along a row, channel by channel.
-template <class T> void sum_along(std::vector<T>& row, size_t channels) {
-    for (size_t i = channels; i < row.size(); ++i) row[i] += row[i - channels];
+// out[i] = in[i] + in[i − step], where there is such a one.
+GNOMON_VECTOR_CLONES
+void add_step(const float* in, float* out, size_t count, size_t step) {
+    std::copy(in, in + step, out);
+    for (size_t i = step; i < count; ++i) out[i] = in[i] + in[i - step];
 }
 
-// The same as a GPU's passes do it: each adds what the one before it left 2^k texels to the left.
-void sum_along(std::vector<float>& row, size_t channels) {
-    std::vector<float> previous;
-    for (size_t step = channels; step < row.size(); step *= 2) {
-        previous = row;
-        add(row.data() + step, previous.data(), row.size() - step);
+// The same twice, with `step` and with 2·step < count, in one go.
+GNOMON_VECTOR_CLONES
+void add_two_steps(const float* in, float* out, size_t count, size_t step) {
+    add_step(in, out, 2 * step, step);
+    const size_t ramp = std::min(3 * step, count);
+    for (size_t i = 2 * step; i < ramp; ++i) out[i] = (in[i] + in[i - step]) + in[i - 2 * step];
+    for (size_t i = 3 * step; i < count; ++i) out[i] = (in[i] + in[i - step]) + (in[i - 2 * step] + in[i - 3 * step]);
+}
+
+// Recursive doubling along an array whose neighbours are `step` apart, as a GPU's passes do it: each adds what the one
+// before it left 2^k places back. Steps below `end`; the result is in `values`, `other` is as large.
+void recursive_doubling(std::vector<float>& values, std::vector<float>& other, size_t step, size_t end) {
+    end = std::min(end, values.size());
+    while (step < end) {
+        const bool two = 2 * step < end;
+        (two ? add_two_steps : add_step)(values.data(), other.data(), values.size(), step);
+        std::swap(values, other);
+        step *= two ? 4 : 2;
     }
+}
+
+template <int channels, class T> void running_sums(T* row, size_t count) {
+    T sum[channels];
+    std::copy(row, row + channels, sum);
+    for (size_t i = channels; i < count; i += channels)
+        for (size_t c = 0; c < channels; ++c) row[i + c] = sum[c] = sum[c] + row[i + c];
+}
+
+// Running sums along a row, channel by channel.
+template <class T> void sum_along(T* row, size_t count, int channels) {
+    switch (channels) {
+    case 1:
+        return running_sums<1>(row, count);
+    case 2:
+        return running_sums<2>(row, count);
+    case 3:
+        return running_sums<3>(row, count);
+    default:
+        return running_sums<4>(row, count);
+    }
+}
+
+// A row of the table from a row of the source, with running sums along it. `values` and `other` are as long and are
+// used up.
+template <class T>
+void sum_row(std::vector<float>& values, std::vector<float>&, const FixedPoint& fixed, int channels, T* row) {
+    store_row(values.data(), values.size(), fixed, row);
+    sum_along(row, values.size(), channels);
+}
+
+void sum_row(std::vector<float>& values, std::vector<float>& other, const FixedPoint& fixed, int channels, float* row) {
+    store_row(values.data(), values.size(), fixed, values.data());
+    recursive_doubling(values, other, static_cast<size_t>(channels), values.size());
+    std::copy(values.begin(), values.end(), row);
 }
 
 // Sums along the columns of a stripe of `count` values, row by row.
@@ -50,10 +135,27 @@ template <class T> void sum_up(T* first, size_t row_values, size_t height, size_
     for (size_t y = 1; y < height; ++y) add(first + y * row_values, first + (y - 1) * row_values, count);
 }
 
-// From the top down, so that a row still finds what the previous pass left below it.
+// The same by recursive doubling, in two sweeps that stay in the cache: steps below near_rows in bands, from the top
+// down, with what they need of the rows below; then the longer ones among rows that lie so many apart.
 void sum_up(float* first, size_t row_values, size_t height, size_t count) {
-    for (size_t step = 1; step < height; step *= 2)
-        for (size_t y = height; y-- > step;) add(first + y * row_values, first + (y - step) * row_values, count);
+    std::vector<float> values, other;
+    const auto rows = [&](size_t begin, size_t stride, size_t number, size_t kept, size_t end) {
+        values.resize(number * count), other.resize(number * count);
+        for (size_t r = 0; r < number; ++r)
+            std::copy_n(first + (begin + r * stride) * row_values, count, &values[r * count]);
+        recursive_doubling(values, other, count, end * count);
+        for (size_t r = number - kept; r < number; ++r)
+            std::copy_n(&values[r * count], count, first + (begin + r * stride) * row_values);
+    };
+    for (size_t band = (height + band_rows - 1) / band_rows; band-- > 0;) {
+        const size_t y = band * band_rows, below = std::min(y, near_rows - 1);
+        const size_t kept = std::min(band_rows, height - y);
+        rows(y - below, 1, below + kept, kept, near_rows);
+    }
+    for (size_t y = 0; y < near_rows && y + near_rows < height; ++y) {
+        const size_t number = (height - y + near_rows - 1) / near_rows;
+        rows(y, near_rows, number, number, number);
+    }
 }
 
 // The passes of recursive doubling along an axis of `side` texels with `across` texels beside one another.
@@ -116,6 +218,8 @@ template <class T> SummedArea<T> summed_area(Pass& pass, const Target& source, c
     const int width = source.width(), height = source.height(), channels = info(source.format()).channels;
     const auto row_values = static_cast<size_t>(width * channels);
     const double scale = fixed_point<T> ? std::ldexp(1.0, options.fraction_bits) : 1.0;
+    const FixedPoint fixed = {static_cast<double>(options.offset), scale, std::is_signed_v<T> ? -0x1p32 : 0.0,
+                              std::is_signed_v<T> ? 0x1p32 : 0x1p32 - 1};
     SummedArea<T> table{width,       height,
                         channels,    options.offset,
                         1.0 / scale, std::vector<T, LargeAllocator<T>>(row_values * static_cast<size_t>(height)),
@@ -124,14 +228,11 @@ template <class T> SummedArea<T> summed_area(Pass& pass, const Target& source, c
     table.metered = MeteredBytes(options.meter, bytes);
     const MeteredBytes ping_pong(options.meter, bytes);
 
-    parallel_for(static_cast<size_t>(height), detail::full_screen_rows, [&](size_t begin, size_t end) {
-        std::vector<float> values;
-        std::vector<T> row(row_values);
+    parallel_for(static_cast<size_t>(height), rows_of_task, [&](size_t begin, size_t end) {
+        std::vector<float> values, other(row_values);
         for (size_t y = begin; y < end; ++y) {
             detail::load_row(source, static_cast<int>(y), options.layer, 0, values);
-            for (size_t i = 0; i < row_values; ++i) row[i] = stored<T>(values[i], options.offset, scale);
-            sum_along(row, static_cast<size_t>(channels));
-            std::copy(row.begin(), row.end(), table.sums.begin() + static_cast<std::ptrdiff_t>(y * row_values));
+            sum_row(values, other, fixed, channels, table.sums.data() + y * row_values);
         }
     });
     parallel_for(row_values, stripe_values, [&](size_t begin, size_t end) {

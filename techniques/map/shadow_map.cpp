@@ -63,6 +63,7 @@ MapPoint map_point(const LightMap& map, const Light& light, const Receiver& rece
         p += receiver.geometric_normal *
              static_cast<float>(static_cast<double>(map.params.normal_offset) * texel * sine);
     }
+    point.position = p;
     const vec4 clip = transform(view.to_clip, p);
     if (!(clip.w > 0)) {
         point.lit = true;
@@ -97,7 +98,7 @@ MapTap tap_outside(const LightMap& map, int layer, int x, int y, float depth) {
         return std::clamp(static_cast<int>(std::floor((ndc * 0.5 + 0.5) * size)), 0, size - 1);
     };
     return {true, other_layer, texel(other.right), texel(other.up),
-            static_cast<float>(f / (f - n) * (1.0 - n / other_distance))};
+            static_cast<float>(std::min(1.0, f / (f - n) * (1.0 - n / other_distance)))};
 }
 
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters) {
@@ -111,6 +112,36 @@ float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2
         }
     }
     return static_cast<float>(lit) / static_cast<float>(n * n);
+}
+
+float mean_of_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets,
+                    PassCounters& counters) {
+    int lit = 0;
+    for (const vec2 offset : offsets) {
+        const ivec2 texel(glm::floor(point.texel + offset));
+        lit += shadow_test(map, point.layer, texel.x, texel.y, point.depth_at(texel.x, texel.y), counters) > 0.0f;
+    }
+    return static_cast<float>(lit) / static_cast<float>(offsets.size());
+}
+
+float mean_of_bilinear_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets,
+                             PassCounters& counters) {
+    float sum = 0.0f;
+    for (const vec2 offset : offsets) {
+        const vec2 corner = point.texel + offset - 0.5f, low = glm::floor(corner), f = corner - low;
+        const ivec2 texel(low);
+        const float depth = std::min(1.0f, point.depth + (point.gradient.x * offset.x + point.gradient.y * offset.y));
+        const auto test = [&](int x, int y) {
+            const int i = texel.x + x, j = texel.y + y, size = map.params.size;
+            // On another face of a cube the depth of this one's place would be another.
+            const bool here = i >= 0 && j >= 0 && i < size && j < size;
+            return shadow_test(map, point.layer, i, j, here ? depth : point.depth_at(i, j), counters);
+        };
+        const float lower = test(0, 0) * (1.0f - f.x) + test(1, 0) * f.x;
+        const float upper = test(0, 1) * (1.0f - f.x) + test(1, 1) * f.x;
+        sum += lower * (1.0f - f.y) + upper * f.y;
+    }
+    return sum / static_cast<float>(offsets.size());
 }
 
 Image<float> show_depth(const Target& depth, int layer) {

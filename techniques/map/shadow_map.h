@@ -2,6 +2,9 @@
 // The light's shadow-map pass and the way from a receiver to its place on the map: what every image-based technique
 // starts with. [Williams 1978; Macedo 2018, 0.2 to 0.5; Navrátil 2015, 2.2]
 
+#include <algorithm>
+#include <span>
+
 #include "core/parameters.h"
 #include "raster/sampler.h"
 #include "techniques/map/light_view.h"
@@ -78,12 +81,14 @@ struct MapPoint {
     bool lit = false;  // no look-up needed: behind the light's view, or beyond its far plane
     bool dark = false; // no look-up needed: the receiver faces away from the light
     int layer = 0;
+    vec3 position{0.0f}; // the receiver's, moved by the normal offset
     vec2 texel{0.0f};
     float depth = 0.0f;  // window depth, constant bias subtracted
     vec2 gradient{0.0f}; // window depth per texel along the receiver's plane; zero unless asked for
 
-    // Depth to compare with at the centre of texel (x, y); `from` replaces the point's own depth.
-    float depth_at(int x, int y) const { return depth_at(x, y, depth); }
+    // Depth to compare with at the centre of texel (x, y), no farther than the far plane, beyond which nothing casts;
+    // `from` replaces the point's own depth.
+    float depth_at(int x, int y) const { return std::min(1.0f, depth_at(x, y, depth)); }
     float depth_at(int x, int y, float from) const {
         return from + (gradient.x * (static_cast<float>(x) + 0.5f - texel.x) +
                        gradient.y * (static_cast<float>(y) + 0.5f - texel.y));
@@ -125,6 +130,14 @@ inline float kernel_cell(int i, int n) { return (static_cast<float>(2 * i + 1) /
 // Mean of n×n nearest shadow tests at offsets spread evenly over ±reach texels around the point: the centres of n×n
 // cells, v outer and u inner. [Reeves et al. 1987; Macedo 2018, 2.18]
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters);
+
+// The same at any offsets from the point, in texels.
+float mean_of_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets, PassCounters& counters);
+
+// Mean of hardware comparisons at these offsets: each the bilinear mean of the four nearest texels' tests against one
+// depth, that of the receiver's plane at the offset; four fetches each. [Reeves et al. 1987; OpenGL 4.6, 8.23.1]
+float mean_of_bilinear_tests(const ShadowMap& map, const MapPoint& point, std::span<const vec2> offsets,
+                             PassCounters& counters);
 
 // One layer of the map as an image, for showing: depth scaled so that the casters' range is black to white.
 Image<float> show_depth(const Target& depth, int layer);
