@@ -11,16 +11,9 @@
 
 #include "core/receiver.h"
 #include "core/scene.h"
+#include "raytrace/shadow_origin.h"
 
 namespace gnomon {
-
-// Where a receiver's shadow rays start.
-struct ShadowOrigin {
-    vec3 position;
-    float rounding; // metres that separate "touching" from "in front of" here
-};
-
-ShadowOrigin shadow_origin(const Scene& scene, const Receiver& receiver);
 
 class EmbreeScene {
 public:

@@ -4,13 +4,8 @@
 #include <memory>
 #include <type_traits>
 
-#if __has_include(<embree3/rtcore.h>)
-#include <embree3/rtcore.h>
-#else
-#include <embree4/rtcore.h>
-#endif
-
 #include "core/error.h"
+#include "raytrace/embree_api.h"
 
 namespace gnomon {
 namespace {
