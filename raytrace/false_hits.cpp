@@ -26,16 +26,8 @@ bool meets_box(const HitTriangle& hit, vec3 start, vec3 way) {
            (std::abs(middle.x * between.y - middle.y * between.x) <= half.x * size.y + half.y * size.x);
 }
 
-// The point is off by a few 2⁻²⁴ of start and hit, and what meets_box() rounds is as little beside the other half of
-// the growth.
-bool lies_in_box(const HitTriangle& hit, vec3 start, vec3 way, float distance) {
-    const vec3 off = glm::abs(start + distance * way - hit.center);
-    const vec3 half = hit.half + 0.5f * box_growth * larger(hit.magnitude, largest_component(start));
-    return (off.x <= half.x) & (off.y <= half.y) & (off.z <= half.z);
-}
-
 RelativeSides sides_of(const HitTriangle& hit, const std::array<vec3, 3>& own_corners) {
-    RelativeSides sides{true, true, true};
+    RelativeSides sides{true, true};
     const double length = glm::length(hit.normal);
     for (const vec3& own : own_corners) {
         // Of corners that both triangles share, the distance is 0 but for the rounding of doubles.
@@ -48,18 +40,11 @@ RelativeSides sides_of(const HitTriangle& hit, const std::array<vec3, 3>& own_co
     return sides;
 }
 
-bool is_left_behind(const HitTriangle& hit, const std::array<vec3, 3>& own_corners, vec3 start, vec3 way, bool ends,
-                    float nearest, RelativeSides& own) {
-    const dvec3 from = dvec3(start) - hit.corner;
-    const double at_start = glm::dot(hit.normal, from),
-                 at_end = glm::dot(hit.normal, ends ? from + dvec3(way) : dvec3(way));
-    const dvec3 size = glm::abs(hit.normal);
-    if ((at_start < 0) != (at_end < 0) &&
-        std::abs(at_start) > static_cast<double>(nearest) * (size.x + size.y + size.z))
-        return false;
-    if (!own.known) own = sides_of(hit, own_corners);
+bool is_left_behind(const HitTriangle& hit, const RelativeSides& own, vec3 start, vec3 way, bool ends) {
+    const dvec3 end = dvec3(start) + dvec3(way);
+    const double at_end = glm::dot(hit.normal, ends ? end - hit.corner : dvec3(way));
     if (!(at_end > 0 ? own.in_front : own.behind)) return false;
-    const double magnitude = ends ? static_cast<double>(largest_component(vec3(dvec3(start) + dvec3(way)))) : 1.0;
+    const double magnitude = ends ? static_cast<double>(largest_component(vec3(end))) : 1.0;
     return std::abs(at_end) > magnitude * static_cast<double>(relative_step) * glm::length(hit.normal);
 }
 

@@ -33,23 +33,16 @@ HitTriangle hit_triangle(const std::array<vec3, 3>& corners);
 // Whether the segment from `start` along `way` meets the box grown by box_growth.
 bool meets_box(const HitTriangle& hit, vec3 start, vec3 way);
 
-// Whether the hit at start + distance·way lies in the box grown by half as much: then the segment meets the box.
-bool lies_in_box(const HitTriangle& hit, vec3 start, vec3 way, float distance);
-
-// Where the receiver's own triangle lies, seen from another one's plane; worked out when first asked for.
+// Where the receiver's own triangle lies, seen from another one's plane: no corner is behind it, or none in front.
 struct RelativeSides {
-    bool known = false;
-    bool in_front = true, behind = true; // no corner is behind the plane, or none in front
+    bool in_front, behind;
 };
 RelativeSides sides_of(const HitTriangle& hit, const std::array<vec3, 3>& own_corners);
 
 // Whether the triangle cannot lie between the receiver's own one and the end of a ray, because both are on one side of
 // its plane: then the ray starts in that plane but for rounding, in a crease of a surface, and leaves it. A ray's end
-// within the rounding of its coordinates from the plane counts as on it. A ray that does not end at start + way goes on
-// in that direction. What starts farther than `nearest` on the other side of the plane does cross it: the receiver is
-// on its triangle, and its rays start less than that off it.
-bool is_left_behind(const HitTriangle& hit, const std::array<vec3, 3>& own_corners, vec3 start, vec3 way, bool ends,
-                    float nearest, RelativeSides& own);
+// within the rounding of its coordinates from the plane counts as on it. Without `ends` the ray goes on along `way`.
+bool is_left_behind(const HitTriangle& hit, const RelativeSides& own, vec3 start, vec3 way, bool ends);
 
 // With d the ray's direction and n the normal that Embree reports, a hit with |n·d| above this times the largest
 // component of d lies in the triangle's grown box for sure. Infinite for triangles so small beside `magnitude`, the

@@ -4,42 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
-#include "core/receiver.h"
-#include "core/scene.h"
-#include "raytrace/embree_api.h"
-#include "raytrace/false_hits.h"
 #include "raytrace/shadow_origin.h"
+#include "raytrace/shadow_query.h"
 
 namespace gnomon {
-
-// What shadow rays may meet.
-struct ShadowCasters {
-    const Scene& scene;
-    RTCScene built = nullptr;
-    std::vector<std::uint32_t> triangles; // primitive to Scene::triangles; empty where the numbers are the same
-    std::vector<float> steep;             // per primitive, see steep_hit
-
-    std::array<vec3, 3> corners(std::uint32_t primitive) const {
-        const uvec3 t = scene.triangles[triangles.empty() ? primitive : triangles[primitive]];
-        return {scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
-    }
-};
-
-// Embree hands the context back to a filter, so what the filter needs to know follows it in memory.
-struct ShadowQuery {
-    QueryContext context;
-    bool ends; // whether its rays have an end: lights at a distance
-    const ShadowCasters* casters;
-    std::uint32_t own_primitive;
-    std::array<vec3, 3> own_corners;
-    vec3 start;
-    float nearest;           // what starts nearer to a plane may start in it
-    std::uint32_t looked_at; // primitive of `triangle`: neighbouring packets meet it again
-    HitTriangle triangle;
-    RelativeSides sides;
-};
 
 class ShadowRays {
 public:
