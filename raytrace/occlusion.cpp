@@ -36,7 +36,7 @@ void find_facing(const Receiver& receiver, const Pyramid& pyramid, const SampleP
 }
 
 void aim(const Pyramid& pyramid, const SamplePoints& points, std::size_t first, std::size_t count, PointBlock& block) {
-    const OccluderKernels& kernels = occluder_kernels();
+    const PointKernels& kernels = point_kernels();
     const std::size_t packets = seen_words(count);
     if (count % 16 == 0)
         return kernels.aim(pyramid, &points.x[first], &points.y[first], &points.z[first], packets, block);
@@ -104,7 +104,7 @@ Occlusion::Proof Occlusion::prove(const Receiver& receiver) {
 }
 
 void Occlusion::shade(const TouchedBox& box, PointBlock& block) {
-    const OccluderKernels& kernels = occluder_kernels();
+    const PointKernels& kernels = point_kernels();
     ReachedPoints reached;
     const std::size_t count = kernels.reach(box, block, reached);
     if (count == 0) return;

@@ -11,6 +11,7 @@
 #include "core/light.h"
 #include "core/receiver.h"
 #include "raytrace/embree_scene.h"
+#include "raytrace/point_block.h"
 #include "raytrace/shaft.h"
 
 namespace gnomon {

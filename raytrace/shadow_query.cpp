@@ -23,8 +23,8 @@ void set_plane(LookedAt& hit, const ShadowQuery& query) {
 
 } // namespace
 
-const LookedAt& look_at(ShadowQuery& query, std::uint32_t primitive) {
-    LookedAt& hit = query.looked_at;
+LookedAt& look_at(ShadowQuery& query, std::uint32_t primitive) {
+    LookedAt& hit = query.looked_at[primitive % query.looked_at.size()];
     if (hit.primitive == primitive) return hit;
     hit.primitive = primitive;
     hit.triangle = hit_triangle(query.casters->corners(primitive));
@@ -36,8 +36,7 @@ const LookedAt& look_at(ShadowQuery& query, std::uint32_t primitive) {
 }
 
 bool is_false_hit(ShadowQuery& query, std::uint32_t primitive, vec3 way) {
-    look_at(query, primitive);
-    LookedAt& hit = query.looked_at;
+    LookedAt& hit = look_at(query, primitive);
     if (query.ends && !meets_box(hit.triangle, query.start, way)) return true;
     if (!hit.own) hit.own = sides_of(hit.triangle, query.own_corners);
     return is_left_behind(hit.triangle, *hit.own, query.start, way, query.ends);

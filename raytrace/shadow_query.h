@@ -11,6 +11,7 @@
 #include "core/scene.h"
 #include "raytrace/embree_api.h"
 #include "raytrace/false_hits.h"
+#include "raytrace/shadow_origin.h"
 
 namespace gnomon {
 
@@ -47,17 +48,26 @@ struct ShadowQuery {
     std::uint32_t own_primitive;
     std::array<vec3, 3> own_corners;
     vec3 start;
-    float nearest; // what starts nearer to a plane may start in it
-    LookedAt looked_at{};
+    float nearest;                       // what starts nearer to a plane may start in it
+    std::array<LookedAt, 8> looked_at{}; // a primitive has one place: neighbouring packets meet it again
 };
 
-// Neighbouring packets meet a triangle again, so the last one is kept.
-const LookedAt& look_at(ShadowQuery& query, std::uint32_t primitive);
+LookedAt& look_at(ShadowQuery& query, std::uint32_t primitive);
 
 // Of a ray of the query that goes along `way`.
 bool is_false_hit(ShadowQuery& query, std::uint32_t primitive, vec3 way);
 
-// Asks the two of all hits that are not plainly true.
-RTCFilterFunctionN false_hit_filter();
+struct ShadowKernels {
+    // Asks the two of all hits that are not plainly true.
+    RTCFilterFunctionN filter;
+
+    // Points sixteen rays at their targets. Bit k and valid[k] = -1: target k is above the receiver's horizon.
+    unsigned (*aim)(const Receiver& receiver, const ShadowOrigin& origin, const float* x, const float* y,
+                    const float* z, RTCRay16& rays, int* valid);
+
+    // Bit k: ray k met something.
+    unsigned (*hidden)(const RTCRay16& rays);
+};
+const ShadowKernels& shadow_kernels();
 
 } // namespace gnomon

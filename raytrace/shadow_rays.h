@@ -29,7 +29,7 @@ public:
 
 private:
     Receiver receiver_;
-    float rounding_;
+    ShadowOrigin origin_;
     ShadowQuery query_;
     alignas(64) RTCRay16 rays_;
 };

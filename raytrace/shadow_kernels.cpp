@@ -1,42 +1,16 @@
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "raytrace/false_hit_filter.cpp" // this file is compiled once for each target
+#define HWY_TARGET_INCLUDE "raytrace/shadow_kernels.cpp" // this file is compiled once for each target
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #include <hwy/foreach_target.h>
-
-#include <hwy/highway.h>
 
 #include <algorithm>
 
 #include "raytrace/shadow_query.h"
+#include "raytrace/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-using Tag = hn::CappedTag<float, 16>;
-using Float = hn::Vec<Tag>;
-using Mask = hn::Mask<Tag>;
-constexpr Tag d;
-
-HWY_INLINE unsigned lanes() { return static_cast<unsigned>(hn::Lanes(d)); }
-
-HWY_INLINE unsigned bits_of(Mask mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    return bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
-}
-
-struct Vector {
-    Float x, y, z;
-};
-HWY_INLINE Vector load(const float* x, std::size_t stride) {
-    return {hn::LoadU(d, x), hn::LoadU(d, x + stride), hn::LoadU(d, x + 2 * stride)};
-}
-HWY_INLINE Vector set(vec3 v) { return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)}; }
-HWY_INLINE Float dot(const Vector& a, const Vector& b) {
-    return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-HWY_INLINE Float largest(const Vector& a) { return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z)); }
 HWY_INLINE Float sum_of_magnitudes(const Vector& a) {
     return hn::Add(hn::Add(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
 }
@@ -115,7 +89,44 @@ void reject_false_hits(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
-RTCFilterFunctionN filter() { return reject_false_hits; }
+// In the order of glm::dot() and without contraction: the horizon is that of faces(), bit for bit.
+unsigned aim(const Receiver& receiver, const ShadowOrigin& origin, const float* x, const float* y, const float* z,
+             RTCRay16& rays, int* valid) {
+    const Vector start = set(origin.position), position = set(receiver.position),
+                 normal = set(receiver.geometric_normal);
+    const hn::RebindToSigned<Tag> integers;
+    const Float one = hn::Set(d, 1.0f);
+    unsigned facing = 0;
+    for (unsigned i = 0; i < 16; i += lanes()) {
+        const Vector target{hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i)};
+        const Vector way = target - start, up = target - position;
+        const Float height =
+            hn::Add(hn::Add(hn::Mul(normal.x, up.x), hn::Mul(normal.y, up.y)), hn::Mul(normal.z, up.z));
+        const Mask above = hn::Gt(height, hn::Zero(d));
+        hn::StoreU(hn::VecFromMask(integers, hn::RebindMask(integers, above)), integers, valid + i);
+        facing |= bits_of(above) << i;
+        hn::StoreU(way.x, d, rays.dir_x + i);
+        hn::StoreU(way.y, d, rays.dir_y + i);
+        hn::StoreU(way.z, d, rays.dir_z + i);
+        // The way is not normalised, so 1 is the target. The ray ends short of it by the rounding of its coordinates,
+        // so that what touches the light from behind does not hide it.
+        const Float rounding =
+            hn::Max(hn::Set(d, origin.rounding), hn::Mul(largest(target), hn::Set(d, relative_step)));
+        hn::StoreU(hn::Max(hn::Zero(d), hn::Sub(one, hn::Div(rounding, largest(way)))), d, rays.tfar + i);
+    }
+    return facing;
+}
+
+unsigned hidden(const RTCRay16& rays) {
+    unsigned met = 0;
+    for (unsigned i = 0; i < 16; i += lanes()) met |= bits_of(hn::Lt(hn::LoadU(d, rays.tfar + i), hn::Zero(d))) << i;
+    return met;
+}
+
+const ShadowKernels* shadow_table() {
+    static constexpr ShadowKernels functions{reject_false_hits, aim, hidden};
+    return &functions;
+}
 
 } // namespace gnomon::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -123,11 +134,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace gnomon {
 
-HWY_EXPORT(filter);
+HWY_EXPORT(shadow_table);
 
-RTCFilterFunctionN false_hit_filter() {
-    static const RTCFilterFunctionN chosen = HWY_DYNAMIC_DISPATCH(filter)();
-    return chosen;
+const ShadowKernels& shadow_kernels() {
+    static const ShadowKernels* const chosen = HWY_DYNAMIC_DISPATCH(shadow_table)();
+    return *chosen;
 }
 
 } // namespace gnomon
