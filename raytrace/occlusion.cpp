@@ -9,7 +9,7 @@ namespace {
 // the other numbers are multiples of its time, as measured. A block is given up at the first of its receivers that
 // exceeds its effort.
 constexpr std::size_t cluster_effort = 16, boxes_per_effort = 2, effort_per_ray = 8;
-constexpr std::size_t clusters_of_block_per_sample = 2;
+constexpr std::size_t clusters_of_block_per_sample = 1;
 
 // Above so many points for each triangle of a cluster they are shaded triangle by triangle.
 constexpr std::size_t points_per_triangle = 4;
