@@ -68,7 +68,8 @@ struct EmbreeScene::Implementation {
     ShadowRays shadow_rays(const Receiver& receiver, bool end) const;
 };
 
-EmbreeScene::Implementation::Implementation(const Scene& s) : scene(s), casters{s, nullptr, {}, {}} {
+EmbreeScene::Implementation::Implementation(const Scene& s)
+    : scene(s), casters{s, local_shift(s.positions), nullptr, {}, {}} {
     const FloatModeScope mode(FloatMode::FlushZero);
     device = rtcNewDevice(nullptr);
     if (!device)
@@ -126,7 +127,7 @@ void EmbreeScene::Implementation::separate_light_sources() {
 
 void EmbreeScene::Implementation::find_steep() {
     float magnitude = 0.0f;
-    for (const vec3& p : scene.positions) magnitude = larger(magnitude, largest_component(p));
+    for (const vec3& p : scene.positions) magnitude = larger(magnitude, largest_component(p - casters.shift));
     casters.steep.resize(primitive_of.empty() ? scene.triangles.size() : casters.triangles.size());
     for (std::uint32_t i = 0; i < casters.steep.size(); ++i)
         casters.steep[i] = steep_hit(casters.corners(i), magnitude);
@@ -146,7 +147,8 @@ RTCScene EmbreeScene::Implementation::build(const std::vector<std::uint32_t>& me
         auto* indices = static_cast<uvec3*>(
             rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(uvec3), count));
         if (positions && indices) {
-            std::copy(scene.positions.begin(), scene.positions.end(), positions);
+            std::transform(scene.positions.begin(), scene.positions.end(), positions,
+                           [&](vec3 p) { return p - casters.shift; });
             for (size_t i = 0; i < count; ++i) indices[i] = scene.triangles[primitive_of.empty() ? i : members[i]];
             rtcCommitGeometry(geometry);
             rtcAttachGeometry(built, geometry);
@@ -165,12 +167,14 @@ RTCScene EmbreeScene::Implementation::build(const std::vector<std::uint32_t>& me
 
 ShadowRays EmbreeScene::Implementation::shadow_rays(const Receiver& receiver, bool end) const {
     const std::uint32_t own = primitive_of.empty() ? receiver.triangle : primitive_of[receiver.triangle];
-    return {casters, receiver, gnomon::shadow_origin(scene, receiver), own, corners_of(receiver.triangle), end};
+    const std::array<vec3, 3> corners = corners_of(receiver.triangle);
+    return {casters, receiver, gnomon::shadow_origin(receiver, corners, casters.shift), own, corners, end};
 }
 
 std::array<vec3, 3> EmbreeScene::Implementation::corners_of(std::uint32_t triangle) const {
     const uvec3 t = scene.triangles[triangle];
-    return {scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
+    return {scene.positions[t.x] - casters.shift, scene.positions[t.y] - casters.shift,
+            scene.positions[t.z] - casters.shift};
 }
 
 EmbreeScene::EmbreeScene(const Scene& scene) : implementation_(std::make_unique<Implementation>(scene)) {}
@@ -178,6 +182,7 @@ EmbreeScene::~EmbreeScene() = default;
 
 EmbreeScene::Hit EmbreeScene::first_hit(vec3 origin, vec3 direction, float near_distance, float far_distance) const {
     const Implementation& self = *implementation_;
+    origin -= shift();
     Hit nearest;
     nearest.distance = far_distance;
     const auto trace = [&](RTCScene scene, const std::vector<std::uint32_t>& triangles) {
@@ -211,8 +216,12 @@ void EmbreeScene::visible(const Receiver& receiver, std::span<const vec3> target
     assert(targets.size() <= most && seen.size() >= targets.size());
     if (targets.empty()) return;
     float x[most], y[most], z[most];
-    for (size_t k = 0; k < targets.size(); ++k) x[k] = targets[k].x, y[k] = targets[k].y, z[k] = targets[k].z;
-    const unsigned mask = implementation_->shadow_rays(receiver, true).to_targets(x, y, z, targets.size()).seen;
+    for (size_t k = 0; k < targets.size(); ++k) {
+        const vec3 target = targets[k] - shift();
+        x[k] = target.x, y[k] = target.y, z[k] = target.z;
+    }
+    ShadowRays rays = implementation_->shadow_rays(to_local(receiver, shift()), true);
+    const unsigned mask = rays.to_targets(x, y, z, targets.size()).seen;
     for (size_t k = 0; k < targets.size(); ++k) seen[k] = mask >> k & 1u;
 }
 
@@ -233,12 +242,18 @@ EmbreeScene::SeenCount EmbreeScene::seen_samples(const Receiver& receiver, std::
 }
 
 bool EmbreeScene::visible_direction(const Receiver& receiver, vec3 unit_direction) const {
+    return seen_direction(to_local(receiver, shift()), unit_direction);
+}
+
+vec3 EmbreeScene::shift() const { return implementation_->casters.shift; }
+
+bool EmbreeScene::seen_direction(const Receiver& receiver, vec3 unit_direction) const {
     if (!(glm::dot(receiver.geometric_normal, unit_direction) > 0.0f)) return false;
     return implementation_->shadow_rays(receiver, false).to_direction(unit_direction);
 }
 
 ShadowOrigin EmbreeScene::shadow_origin(const Receiver& receiver) const {
-    return gnomon::shadow_origin(implementation_->scene, receiver);
+    return gnomon::shadow_origin(receiver, corners(receiver.triangle), shift());
 }
 
 std::array<vec3, 3> EmbreeScene::corners(std::uint32_t triangle) const { return implementation_->corners_of(triangle); }

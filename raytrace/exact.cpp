@@ -177,14 +177,16 @@ private:
     Polygon polygon_, scratch_;
 };
 
+// All but the scene in the clusters' local coordinates.
 double visible_fraction(const Scene& scene, const TriangleClusters& clusters, const Receiver& receiver,
                         const Piece& piece) {
-    const ShadowOrigin origin = shadow_origin(scene, receiver);
     const auto corners_of = [&](std::uint32_t triangle) {
         const uvec3 t = scene.triangles[triangle];
-        return std::array{scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
+        return std::array{scene.positions[t.x] - clusters.shift, scene.positions[t.y] - clusters.shift,
+                          scene.positions[t.z] - clusters.shift};
     };
     const auto own = corners_of(receiver.triangle);
+    const ShadowOrigin origin = shadow_origin(receiver, own, clusters.shift);
     View view(piece, receiver, origin, own);
     if (view.below_horizon()) return 0.0;
     const dvec3 spread = glm::abs(piece.frame.a) + glm::abs(piece.frame.b);
@@ -204,8 +206,9 @@ double visible_fraction(const Scene& scene, const TriangleClusters& clusters, co
 double exact_visibility(const Scene& scene, const TriangleClusters& clusters, const Receiver& receiver,
                         const Light& light) {
     double seen = 0, all = 0;
-    for (const Piece& piece : pieces_of(light, receiver.position)) {
-        seen += piece.area * visible_fraction(scene, clusters, receiver, piece);
+    const Receiver local = to_local(receiver, clusters.shift);
+    for (const Piece& piece : pieces_of(to_local(light, clusters.shift), local.position)) {
+        seen += piece.area * visible_fraction(scene, clusters, local, piece);
         all += piece.area;
     }
     return all > 0 ? seen / all : 1.0;

@@ -144,7 +144,7 @@ EmbreeScene::SeenCount Occlusion::seen_by_occluders(const Receiver& receiver, co
 
 EmbreeScene::SeenCount Occlusion::seen(const Receiver& receiver, const SamplePoints& points, SeenBits seen) {
     if (light_.type == LightType::Directional) {
-        const bool lit = scene_.visible_direction(receiver, -light_.direction);
+        const bool lit = scene_.seen_direction(receiver, -light_.direction);
         seen[0] = lit;
         return {lit ? std::size_t{1} : std::size_t{0}, 1};
     }

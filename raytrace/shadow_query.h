@@ -18,13 +18,14 @@ namespace gnomon {
 // What shadow rays may meet.
 struct ShadowCasters {
     const Scene& scene;
+    vec3 shift{0.0f}; // of local coordinates, which built has
     RTCScene built = nullptr;
     std::vector<std::uint32_t> triangles; // primitive to Scene::triangles; empty where the numbers are the same
     std::vector<float> steep;             // per primitive, see steep_hit
 
     std::array<vec3, 3> corners(std::uint32_t primitive) const {
         const uvec3 t = scene.triangles[triangles.empty() ? primitive : triangles[primitive]];
-        return {scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
+        return {scene.positions[t.x] - shift, scene.positions[t.y] - shift, scene.positions[t.z] - shift};
     }
 };
 
