@@ -27,6 +27,8 @@ public:
     // What the two have drawn must agree, or the times compare nothing; the difference is relative.
     void agree(const std::string& benchmark, double ours, double theirs, double tolerance);
 
+    double last_ms() const { return results_.back().ours_ms; } // of the benchmark run last
+
     void print_table() const; // on a terminal
     bool agreed() const { return agreed_; }
 
@@ -38,5 +40,6 @@ private:
 
 void bench_raster(Bench& bench);
 void bench_truth(Bench& bench);
+void bench_passes(Bench& bench);
 
 } // namespace gnomon_bench

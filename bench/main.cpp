@@ -14,7 +14,9 @@ struct Group {
     const char* name;
     void (*run)(gnomon_bench::Bench&);
 };
-constexpr Group groups[] = {{"raster", gnomon_bench::bench_raster}, {"truth", gnomon_bench::bench_truth}};
+constexpr Group groups[] = {{"raster", gnomon_bench::bench_raster},
+                            {"truth", gnomon_bench::bench_truth},
+                            {"passes", gnomon_bench::bench_passes}};
 
 } // namespace
 

@@ -23,10 +23,20 @@ std::string parameters_text(std::span<const ParameterInfo> parameters) {
 
 std::string technique_text(const Entry& entry) {
     const TechniqueInfo& info = entry.info;
-    return fmt::format("technique {}: {}\n\n  family  {}\n  kind    {}\n  lights  {}\n  paper   {}\n", info.id,
-                       info.title, info.family, technique_kind_name(info.kind),
-                       fmt::join(light_type_names(info.lights), ", "), info.paper) +
-           parameters_text(entry.parameters) + fmt::format("\n  gnomon render -t {} -o {}.png\n", info.id, info.id);
+    std::string text = fmt::format("technique {}: {}\n\n", info.id, info.title);
+    const auto line = [&](const char* name, const std::string& value) {
+        if (!value.empty()) text += fmt::format("  {:<10} {}\n", name, value);
+    };
+    line("family", info.family);
+    line("kind", technique_kind_name(info.kind));
+    line("lights", fmt::format("{}", fmt::join(light_type_names(info.lights), ", ")));
+    line("paper", info.paper);
+    line("section", info.section);
+    line("equations", info.equations);
+    line("strengths", info.strengths);
+    line("artifacts", info.artifacts);
+    return text + parameters_text(entry.parameters) +
+           fmt::format("\n  gnomon render -t {} -o {}.png\n", info.id, info.id);
 }
 
 std::string scene_text(const BuiltinScene& scene) {

@@ -46,6 +46,18 @@ ParameterInfo make_info(std::string_view name, ParameterType type, double minimu
     return info;
 }
 
+ParameterInfo make_info(const PresetField& row) {
+    ParameterInfo info;
+    info.name = "preset";
+    info.type = ParameterType::Choice;
+    info.choices = {"none", std::string(row.name)};
+    info.default_text = info.choices.front();
+    info.help = fmt::format("{}: {}; keys given beside it win", row.help, row.values);
+    info.source = row.source;
+    info.preset = parse_specification(fmt::format("{}:{}", row.name, row.values)).parameters;
+    return info;
+}
+
 std::string to_text(const ParameterInfo& info, double value) {
     switch (info.type) {
     case ParameterType::Integer:
@@ -122,9 +134,21 @@ bool has_range(const ParameterInfo& info) {
 
 } // namespace
 
+ParameterText with_preset(std::span<const ParameterInfo> table, const ParameterText& text) {
+    ParameterText all = text;
+    for (const ParameterInfo& info : table) {
+        const auto chosen = text.find(info.name);
+        if (!info.preset.empty() && chosen != text.end() && chosen->second == info.choices.back())
+            all.insert(info.preset.begin(), info.preset.end()); // which replaces nothing that is there
+    }
+    return all;
+}
+
 void set_parameters(std::span<const BoundParameter> table, void* params, const ParameterText& text,
                     const std::string& owner) {
-    for (const auto& [given_name, value] : text) {
+    std::vector<ParameterInfo> infos;
+    for (const BoundParameter& p : table) infos.push_back(p.info);
+    for (const auto& [given_name, value] : with_preset(infos, text)) {
         const std::string& name = given_name; // for the lambda: Clang 14 captures no structured bindings
         const auto row = std::find_if(table.begin(), table.end(), [&](const auto& p) { return p.info.name == name; });
         if (row == table.end()) {
@@ -140,9 +164,10 @@ void set_parameters(std::span<const BoundParameter> table, void* params, const P
 
 nlohmann::json parameters_json(std::span<const ParameterInfo> table, const ParameterText& text) {
     nlohmann::json json = nlohmann::json::object();
+    const ParameterText set = with_preset(table, text);
     for (const ParameterInfo& info : table) {
-        const auto given = text.find(info.name);
-        json[info.name] = typed_json(info, given == text.end() ? info.default_text : given->second);
+        const auto given = set.find(info.name);
+        json[info.name] = typed_json(info, given == set.end() ? info.default_text : given->second);
     }
     return json;
 }

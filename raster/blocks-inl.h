@@ -7,7 +7,7 @@
 #define GNOMON_BLOCKS_INL
 #endif
 
-#include "raster/depth_keys-inl.h"
+#include "raster/depth_bounds-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
@@ -15,27 +15,27 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // What the block path needs of a triangle's edges: per block, and per pixel of a block.
 struct BlockEdges {
-    static constexpr std::size_t pixel_lanes = hn::MaxLanes(hn::CappedTag<std::int32_t, 16>());
-    using Pixels = hn::CappedTag<std::int32_t, 16>; // two rows of a block at once, where there are so many lanes
     TileEdges edges;
-    Int most_inside[3][int_parts], least_inside[3][int_parts]; // of the edge functions in each block of the lowest row
-    hn::Vec<Pixels> ramp[3];                                   // from the block's lower left pixel
+    RowInt most_inside[3][row_parts],
+        least_inside[3][row_parts]; // of the edge functions in each block of the lowest row
+    Int ramp[3][int_parts];         // from a patch's lower left pixel
 
     HWY_INLINE explicit BlockEdges(const TileEdges& e) : edges(e) {
         const Ints i;
-        const Pixels pixels;
+        const BlockRow blocks;
         constexpr std::int32_t span = block_side - 1;
-        const auto lane = hn::Iota(pixels, 0);
         for (int k = 0; k < 3; ++k) {
             const std::int32_t a = e.a[k], b = e.b[k];
-            for (std::size_t p = 0; p < int_parts; ++p) {
-                const auto block = hn::Iota(i, static_cast<std::int32_t>(p * int_lanes));
-                const auto corner = hn::Add(hn::Set(i, e.base[k]), hn::Mul(block, hn::Set(i, a * block_side)));
-                most_inside[k][p] = hn::Add(corner, hn::Set(i, span * (most(a, 0) + most(b, 0))));
-                least_inside[k][p] = hn::Add(corner, hn::Set(i, span * (least(a, 0) + least(b, 0))));
+            for (std::size_t p = 0; p < row_parts; ++p) {
+                const auto block = hn::Iota(blocks, static_cast<std::int32_t>(p * row_lanes));
+                const auto corner =
+                    hn::Add(hn::Set(blocks, e.base[k]), hn::Mul(block, hn::Set(blocks, a * block_side)));
+                most_inside[k][p] = hn::Add(corner, hn::Set(blocks, span * (most(a, 0) + most(b, 0))));
+                least_inside[k][p] = hn::Add(corner, hn::Set(blocks, span * (least(a, 0) + least(b, 0))));
             }
-            ramp[k] = hn::Add(hn::Mul(hn::And(lane, hn::Set(pixels, 7)), hn::Set(pixels, a)),
-                              hn::Mul(hn::ShiftRight<3>(lane), hn::Set(pixels, b)));
+            for (std::size_t p = 0; p < int_parts; ++p)
+                ramp[k][p] = hn::Add(hn::Mul(hn::Load(i, patch_places<std::int32_t>.x + p * int_lanes), hn::Set(i, a)),
+                                     hn::Mul(hn::Load(i, patch_places<std::int32_t>.y + p * int_lanes), hn::Set(i, b)));
         }
     }
 
@@ -44,33 +44,35 @@ struct BlockEdges {
         std::uint32_t touched = 0xff, crossed[3] = {0, 0, 0};
     };
     HWY_INLINE Row row(int y) const {
-        const Ints i;
+        const BlockRow i;
         Row row;
-        for (std::size_t p = 0; p < int_parts; ++p) {
+        for (std::size_t p = 0; p < row_parts; ++p) {
             auto outside = hn::Zero(i);
             for (int k = 0; k < 3; ++k) {
                 const auto up = hn::Set(i, edges.b[k] * y);
                 outside = hn::Or(outside, hn::Add(most_inside[k][p], up));
                 const auto partly = hn::Lt(hn::Add(least_inside[k][p], up), hn::Zero(i));
-                row.crossed[k] |= static_cast<std::uint32_t>(bits_of(i, partly) << (p * int_lanes));
+                row.crossed[k] |= static_cast<std::uint32_t>(bits_of(i, partly) << (p * row_lanes));
             }
-            row.touched &= ~static_cast<std::uint32_t>(bits_of(i, hn::Lt(outside, hn::Zero(i))) << (p * int_lanes));
+            row.touched &= ~static_cast<std::uint32_t>(bits_of(i, hn::Lt(outside, hn::Zero(i))) << (p * row_lanes));
         }
         return row;
     }
 
     // Pixels of the block at (x, y) inside those edges that cross it.
     HWY_INLINE std::uint64_t covered(const Row& row, int column, int y) const {
-        const Pixels pixels;
+        const Ints i;
         std::uint64_t outside = 0;
         for (int k = 0; k < 3; ++k) {
             if (!(row.crossed[k] >> column & 1)) continue;
-            std::int32_t corner = edges.base[k] + edges.a[k] * column * block_side + edges.b[k] * y;
-            for (std::size_t at = 0; at < 64; at += pixel_lanes) {
-                const std::int32_t first = corner + edges.b[k] * static_cast<std::int32_t>(at >> 3) +
-                                           edges.a[k] * static_cast<std::int32_t>(at & 7);
-                const auto value = hn::Add(ramp[k], hn::Set(pixels, first));
-                outside |= bits_of(pixels, hn::Lt(value, hn::Zero(pixels))) << at;
+            const std::int32_t corner = edges.base[k] + edges.a[k] * column * block_side + edges.b[k] * y;
+            for (std::size_t patch = 0; patch < 4; ++patch) {
+                const std::int32_t right = patch & 1 ? edges.a[k] * patch_side : 0,
+                                   up = patch & 2 ? edges.b[k] * patch_side : 0;
+                for (std::size_t p = 0; p < int_parts; ++p) {
+                    const auto value = hn::Add(ramp[k][p], hn::Set(i, corner + (right + up)));
+                    outside |= bits_of(i, hn::Lt(value, hn::Zero(i))) << (patch * patch_pixels + p * int_lanes);
+                }
             }
         }
         return ~outside;
@@ -78,54 +80,56 @@ struct BlockEdges {
 };
 
 // Depth test, or with `all` only the write, of the covered pixels of one block; returns those that pass.
-template <bool with_ids, bool floats, bool less>
-HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, DepthKeys& depth, int x, int y,
-                                      std::uint64_t covered, bool all, std::uint32_t id) {
+template <bool with_ids, KeyKind kind, bool less>
+HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth, int x,
+                                      int y, std::uint64_t covered, bool all, std::uint32_t id) {
     const Ints i;
-    depth.set_columns(tile.x + x);
+    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(tile.x + x),
+                                                          depth.columns(tile.x + x + patch_side)};
     std::uint64_t passed = 0;
-    for (int j = 0; j < block_side; ++j) {
-        const std::uint64_t row_bits = covered >> (8 * j) & 0xff;
-        if (row_bits == 0) continue;
-        for (std::size_t p = 0; p < int_parts; ++p) {
-            std::int32_t* at = tile.depth + (y + j) * tile_side + x + p * int_lanes;
-            const Int fresh = depth.at<floats>(j, p);
-            Lanes pass = mask_of(i, row_bits >> (p * int_lanes));
-            if (!all) pass = hn::And(pass, passes<less>(state.test, fresh, hn::LoadU(i, at)));
-            if (state.write) hn::BlendedStore(fresh, pass, i, at);
-            if constexpr (with_ids)
-                hn::BlendedStore(hn::Set(i, static_cast<std::int32_t>(id)), pass, i,
-                                 reinterpret_cast<std::int32_t*>(tile.id) + (at - tile.depth));
-            passed |= bits_of(i, pass) << (static_cast<std::size_t>(8 * j) + p * int_lanes);
+    const std::size_t block = place_in_tile(x, y);
+    for (std::size_t up = 0; up < 2; ++up) {
+        if (!(covered >> (32 * up) & 0xffffffffu)) continue;
+        const auto rows = depth.rows(tile.y + y + static_cast<int>(up) * patch_side);
+        for (std::size_t right = 0; right < 2; ++right) {
+            const std::size_t at = (2 * up + right) * patch_pixels;
+            const std::uint64_t bits = covered >> at & 0xffff;
+            if (!bits) continue;
+            Lanes in[int_parts];
+            for (std::size_t p = 0; p < int_parts; ++p) in[p] = mask_of(i, bits >> (p * int_lanes));
+            passed |= test_patch<with_ids, less>(state, tile, depth, columns[right], rows, block + at, in, all, id)
+                      << at;
         }
     }
     return passed;
 }
 
 // Writes a block that is covered and passes throughout; its keys lie in [low, high].
-template <bool with_ids, bool floats>
-HWY_NOINLINE void fill_block(DepthTile& tile, DepthKeys& depth, int x, int y, std::int32_t low, std::int32_t high,
-                             std::uint32_t id) {
+template <bool with_ids, KeyKind kind>
+HWY_NOINLINE void fill_block(DepthTile& tile, const DepthKeys<kind>& depth, int x, int y, std::int32_t low,
+                             std::int32_t high, std::uint32_t id) {
     const Ints i;
-    const auto fill = [&](const auto& key) {
-        std::int32_t* at = tile.depth + y * tile_side + x;
-        for (int j = 0; j < block_side; ++j, at += tile_side)
-            for (std::size_t p = 0; p < int_parts; ++p) {
-                hn::StoreU(key(j, p), i, at + p * int_lanes);
-                if constexpr (with_ids)
-                    hn::StoreU(hn::Set(i, static_cast<std::int32_t>(id)), i,
-                               reinterpret_cast<std::int32_t*>(tile.id) + (at - tile.depth) + p * int_lanes);
-            }
+    std::size_t at = place_in_tile(x, y);
+    const auto fill = [&](const Int& key) {
+        hn::Store(key, i, tile.depth + at);
+        if constexpr (with_ids)
+            hn::Store(hn::Set(i, static_cast<std::int32_t>(id)), i, reinterpret_cast<std::int32_t*>(tile.id) + at);
+        at += int_lanes;
     };
     if (low == high) {
         const auto constant = hn::Set(i, low);
-        return fill([&](int, std::size_t) { return constant; });
+        for (std::size_t p = 0; p < block_pixels / int_lanes; ++p) fill(constant);
+        return;
     }
-    depth.set_columns(tile.x + x);
-    if (low > depth.low && high < depth.high)
-        fill([&](int j, std::size_t p) { return depth.unclamped<floats>(j, p); });
-    else
-        fill([&](int j, std::size_t p) { return depth.at<floats>(j, p); });
+    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(tile.x + x),
+                                                          depth.columns(tile.x + x + patch_side)};
+    const bool clamped = low <= depth.low || high >= depth.high;
+    for (int up = 0; up < 2; ++up) {
+        const auto rows = depth.rows(tile.y + y + up * patch_side);
+        for (std::size_t right = 0; right < 2; ++right)
+            for (std::size_t p = 0; p < int_parts; ++p)
+                fill(clamped ? depth.at(columns[right], rows, p) : depth.unclamped(columns[right], rows, p));
+    }
 }
 
 // Adds `step` to the counters of a block, modulo their range.
@@ -144,12 +148,26 @@ template <class T> HWY_INLINE void count_block(T* counters, std::uint64_t pixels
 
 HWY_INLINE int bit_count(std::uint64_t bits) { return static_cast<int>(hwy::PopCount(bits)); }
 
-// Pixels of the block at (x, y) that lie in the box.
+// Pixels of a block in columns from c on, up to c, and so for rows.
+struct BlockMasks {
+    std::uint64_t from_column[8] = {}, to_column[8] = {}, from_row[8] = {}, to_row[8] = {};
+    constexpr BlockMasks() {
+        for (int y = 0; y < block_side; ++y)
+            for (int x = 0; x < block_side; ++x) {
+                const std::uint64_t bit = std::uint64_t{1} << place_in_block(x, y);
+                for (int k = 0; k < block_side; ++k) {
+                    from_column[k] |= x >= k ? bit : 0, to_column[k] |= x <= k ? bit : 0;
+                    from_row[k] |= y >= k ? bit : 0, to_row[k] |= y <= k ? bit : 0;
+                }
+            }
+    }
+};
+constexpr BlockMasks block_masks;
+
+// Pixels of the block at (x, y) that lie in the box, which the block touches.
 HWY_INLINE std::uint64_t box_pixels(const LocalBox& box, int x, int y) {
-    const int x0 = most(box.x0 - x, 0), x1 = least(box.x1 - x, 7), y0 = most(box.y0 - y, 0), y1 = least(box.y1 - y, 7);
-    const std::uint64_t row = (0xffull >> (7 - x1)) & (0xffull << x0) & 0xff;
-    const std::uint64_t rows = (every_pixel >> (8 * (7 - y1))) & (every_pixel << (8 * y0));
-    return (row * 0x0101010101010101ull) & rows;
+    return block_masks.from_column[most(box.x0 - x, 0)] & block_masks.to_column[least(box.x1 - x, 7)] &
+           block_masks.from_row[most(box.y0 - y, 0)] & block_masks.to_row[least(box.y1 - y, 7)];
 }
 
 // Adds what passed and what failed to the stencil.

@@ -13,6 +13,10 @@ HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+using BlockRow = hn::CappedTag<std::int32_t, tile_blocks>; // one integer for each block of a row, in one part or more
+constexpr std::size_t row_lanes = hn::MaxLanes(BlockRow()), row_parts = tile_blocks / row_lanes;
+using RowInt = hn::Vec<BlockRow>;
+
 // Blocks of a row, as bits, in which depths in [low, high] all pass, or none, against stored ones in [nearest,
 // farthest].
 struct Verdicts {
@@ -21,13 +25,13 @@ struct Verdicts {
 
 HWY_INLINE Verdicts judge(Compare test, const std::int32_t* low, const std::int32_t* high, const std::int32_t* nearest,
                           const std::int32_t* farthest) {
-    const Ints i;
+    const BlockRow i;
     const auto below = [&](const std::int32_t* a, const std::int32_t* b) { // a < b, per block
         std::uint32_t bits = 0;
-        for (std::size_t p = 0; p < int_parts; ++p)
+        for (std::size_t p = 0; p < row_parts; ++p)
             bits |= static_cast<std::uint32_t>(
-                bits_of(i, hn::Lt(hn::LoadU(i, a + p * int_lanes), hn::LoadU(i, b + p * int_lanes)))
-                << (p * int_lanes));
+                bits_of(i, hn::Lt(hn::LoadU(i, a + p * row_lanes), hn::LoadU(i, b + p * row_lanes)))
+                << (p * row_lanes));
         return bits;
     };
     constexpr std::uint32_t every = 0xff;
@@ -52,24 +56,29 @@ HWY_INLINE Verdicts judge(Compare test, const std::int32_t* low, const std::int3
     return {0, every};
 }
 
-// The least and the greatest key of the triangle in each block of the rows that are set. Depth is monotonic along x and
-// y, rounding and all, so its extremes over a block are at corners.
-template <bool floats>
-HWY_NOINLINE void bound_depths(const DepthKeys& depth, int tile_x, std::int32_t* low, std::int32_t* high) {
-    const Ints i;
-    const Doubles d;
+// The least and the greatest key of the triangle in each block of the row at y. Depth is monotonic along x and y,
+// rounding and all, so its extremes over a block are at corners.
+template <KeyKind kind>
+HWY_NOINLINE void bound_depths(const DepthKeys<kind>& depth, int tile_x, int y, std::int32_t* low, std::int32_t* high) {
+    const BlockRow blocks;
+    const hn::CappedTag<double, row_lanes> d;
+    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, row_lanes>());
     constexpr int last = block_side - 1;
     const auto bound = [&](bool upper, std::int32_t* out) {
         const double first = (tile_x + ((depth.dx > 0) == upper ? last : 0) + 0.5) - depth.anchor_x;
-        const auto row = hn::Set(d, depth.rows[(depth.dy > 0) == upper ? last : 0]);
-        for (std::size_t p = 0; p < int_parts; ++p) {
-            const Int keys = depth.keys_of<floats>(p, [&](std::size_t k) {
-                const auto x = hn::Add(hn::Set(d, first),
-                                       hn::Mul(hn::Iota(d, static_cast<double>(k * hn::MaxLanes(d))), hn::Set(d, 8.0)));
-                return hn::Add(row, hn::Mul(hn::Set(d, depth.dx), x));
-            });
-            hn::StoreU(hn::Min(hn::Max(keys, hn::Set(i, depth.low)), hn::Set(i, depth.high)), i, out + p * int_lanes);
+        const double up = (y + ((depth.dy > 0) == upper ? last : 0) + 0.5) - depth.anchor_y;
+        const auto row = hn::Set(d, depth.value + depth.dy * up);
+        alignas(64) std::int32_t keys[tile_blocks];
+        const hn::Rebind<std::int32_t, hn::CappedTag<double, row_lanes>> narrow;
+        for (std::size_t k = 0; k < tile_blocks; k += lanes) {
+            const auto x = hn::Add(hn::Set(d, first), hn::Mul(hn::Iota(d, static_cast<double>(k)), hn::Set(d, 8.0)));
+            const auto z = hn::Add(row, hn::Mul(hn::Set(d, depth.dx), x));
+            hn::StoreU(to_key<kind>(z, depth.offset, depth.scale), narrow, keys + k);
         }
+        for (std::size_t p = 0; p < tile_blocks; p += row_lanes)
+            hn::StoreU(
+                hn::Min(hn::Max(hn::LoadU(blocks, keys + p), hn::Set(blocks, depth.low)), hn::Set(blocks, depth.high)),
+                blocks, out + p);
     };
     bound(false, low);
     bound(true, high);
@@ -78,14 +87,13 @@ HWY_NOINLINE void bound_depths(const DepthKeys& depth, int tile_x, std::int32_t*
 // Makes a block's depth bounds anew.
 void refresh_bounds(DepthTile& tile, int block) {
     const Ints i;
-    const std::int32_t* at = tile.depth + (block >> 3) * block_side * tile_side + (block & 7) * block_side;
-    Int low = hn::LoadU(i, at), high = low;
-    for (int j = 0; j < block_side; ++j)
-        for (std::size_t p = 0; p < int_parts; ++p) {
-            const Int stored = hn::LoadU(i, at + j * tile_side + p * int_lanes);
-            low = hn::Min(low, stored);
-            high = hn::Max(high, stored);
-        }
+    const std::int32_t* at = tile.depth + block_pixels * static_cast<std::size_t>(block);
+    Int low = hn::Load(i, at), high = low;
+    for (std::size_t p = int_lanes; p < block_pixels; p += int_lanes) {
+        const Int stored = hn::Load(i, at + p);
+        low = hn::Min(low, stored);
+        high = hn::Max(high, stored);
+    }
     tile.nearest[block] = hn::GetLane(hn::MinOfLanes(i, low));
     tile.farthest[block] = hn::GetLane(hn::MaxOfLanes(i, high));
     tile.unknown &= ~(std::uint64_t{1} << block);

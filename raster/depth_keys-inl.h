@@ -1,4 +1,4 @@
-// Depth of a tile's rows as integer keys, and their test; included once for each instruction set.
+// Depth of a tile's patches as integer keys, and their test; included once for each instruction set.
 
 #if defined(GNOMON_DEPTH_KEYS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef GNOMON_DEPTH_KEYS_INL
@@ -14,68 +14,88 @@ HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Ints = hn::CappedTag<std::int32_t, block_side>; // a row of a block, in one part or two
-using Doubles = hn::CappedTag<double, block_side>;
-constexpr std::size_t int_lanes = hn::MaxLanes(Ints()), int_parts = block_side / int_lanes;
+using Ints = hn::CappedTag<std::int32_t, patch_pixels>; // a patch, in one part or more
+using Doubles = hn::CappedTag<double, patch_pixels>;
+constexpr std::size_t int_lanes = hn::MaxLanes(Ints()), int_parts = patch_pixels / int_lanes;
+constexpr std::size_t double_lanes = hn::MaxLanes(Doubles()), double_parts = patch_pixels / double_lanes;
 using Int = hn::Vec<Ints>;
 using Double = hn::Vec<Doubles>;
 using Lanes = hn::Mask<Ints>;
 
-// Depths as keys: float bits, or unorm rounded to nearest.
-template <bool floats, class V> HWY_INLINE auto to_key(V z, double scale) {
+// Column and row of a patch's pixels.
+template <class T> struct PatchPlaces {
+    alignas(64) T x[patch_pixels] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+    alignas(64) T y[patch_pixels] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+};
+template <class T> constexpr PatchPlaces<T> patch_places;
+
+// How depths become keys: float bits with or without a polygon offset, or unorm rounded to nearest.
+enum class KeyKind { Float, OffsetFloat, Unorm };
+
+template <KeyKind kind, class V> HWY_INLINE auto to_key(V z, double offset, double scale) {
     const hn::DFromV<V> d;
     const hn::Rebind<std::int32_t, hn::DFromV<V>> i;
     const hn::Rebind<float, hn::DFromV<V>> f;
-    if constexpr (floats)
-        return hn::BitCast(i, hn::DemoteTo(f, z));
-    else
+    if constexpr (kind != KeyKind::Float) z = hn::Add(z, hn::Set(d, offset));
+    if constexpr (kind == KeyKind::Unorm)
         return hn::DemoteTo(i, hn::Add(hn::Mul(z, hn::Set(d, scale)), hn::Set(d, 0.5)));
+    else
+        return hn::BitCast(i, hn::DemoteTo(f, z));
 }
 
-// The triangle's depth plane as keys, along rows of eight pixels: (value + dy·(y − y0)) + dx·(x − x0), clamped to the
-// corners' range, moved by the offset, clamped to [0, 1], quantized. All of this is monotonic, so the two clamps may
-// come last, as integers: no key of a depth in [0, 1] is negative, and whatever is beyond stays beyond.
-struct DepthKeys {
-    Double columns[block_side / hn::MaxLanes(Doubles())];
-    alignas(64) double rows[4 * block_side];
+// The triangle's depth plane as keys: (value + dy·(y − y0)) + dx·(x − x0), clamped to the corners' range, moved by the
+// offset, clamped to [0, 1], quantized. All of this is monotonic, so the two clamps may come last, as integers: no key
+// of a depth in [0, 1] is negative, and whatever is beyond stays beyond.
+template <KeyKind kind> struct DepthKeys {
+    static constexpr std::size_t column_parts = double_lanes < patch_side ? patch_side / double_lanes : 1;
+    struct Columns {
+        Double part[column_parts];
+    }; // dx·(x − x0) of a patch
+    struct Rows {
+        Double part[double_parts];
+    }; // value + dy·(y − y0)
     double value, dx, dy, anchor_x, anchor_y, offset, scale;
     std::int32_t low, high;
 
     HWY_INLINE DepthKeys(const SetupTriangle& t, double key_scale)
         : value(static_cast<double>(t.depth)), dx(t.depth_dx), dy(t.depth_dy), anchor_x(t.x[0] * (1.0 / subpixels)),
-          anchor_y(t.y[0] * (1.0 / subpixels)), offset(t.depth_offset), scale(key_scale),
-          low(limit(static_cast<double>(t.depth_minimum))), high(limit(static_cast<double>(t.depth_maximum))) {}
+          anchor_y(t.y[0] * (1.0 / subpixels)), offset(t.depth_offset), scale(key_scale), low(limit(t.depth_minimum)),
+          high(limit(t.depth_maximum)) {}
 
-    HWY_INLINE void set_columns(int x) { // x to x + 7
+    // Of the patch whose lower left pixel is in column x, or row y.
+    HWY_INLINE Columns columns(int x) const {
         const Doubles d;
-        const double first = (x + 0.5) - anchor_x; // exact: multiples of 1/512 far below 2⁵³
-        for (std::size_t p = 0; p < block_side / hn::MaxLanes(d); ++p)
-            columns[p] = hn::Mul(hn::Set(d, dx), hn::Iota(d, first + static_cast<double>(p * hn::MaxLanes(d))));
+        const auto first = hn::Set(d, (x + 0.5) - anchor_x); // exact: multiples of 1/512 far below 2⁵³
+        Columns columns;
+        for (std::size_t k = 0; k < column_parts; ++k)
+            columns.part[k] =
+                hn::Mul(hn::Set(d, dx), hn::Add(first, hn::Load(d, patch_places<double>.x + k * double_lanes)));
+        return columns;
     }
-    HWY_INLINE void set_rows(int y, std::size_t count) { // y to y + count − 1
+    HWY_INLINE Rows rows(int y) const {
         const Doubles d;
-        const double first = (y + 0.5) - anchor_y;
-        for (std::size_t j = 0; j < count; j += hn::MaxLanes(d))
-            hn::Store(hn::Add(hn::Set(d, value), hn::Mul(hn::Set(d, dy), hn::Iota(d, first + static_cast<double>(j)))),
-                      d, rows + j);
+        const auto first = hn::Set(d, (y + 0.5) - anchor_y);
+        Rows rows;
+        for (std::size_t k = 0; k < double_parts; ++k) {
+            const auto up = hn::Add(first, hn::Load(d, patch_places<double>.y + k * double_lanes));
+            rows.part[k] = hn::Add(hn::Set(d, value), hn::Mul(hn::Set(d, dy), up));
+        }
+        return rows;
     }
-    // One part of row j.
-    template <bool floats> HWY_INLINE Int at(int j, std::size_t part) const {
+    // One part of the patch.
+    HWY_INLINE Int at(const Columns& columns, const Rows& rows, std::size_t part) const {
         const Ints i;
-        return hn::Min(hn::Max(unclamped<floats>(j, part), hn::Set(i, low)), hn::Set(i, high));
+        return hn::Min(hn::Max(unclamped(columns, rows, part), hn::Set(i, low)), hn::Set(i, high));
     }
     // The same where the clamps are known to change nothing.
-    template <bool floats> HWY_INLINE Int unclamped(int j, std::size_t part) const {
-        const Doubles d;
-        return keys_of<floats>(part, [&](std::size_t k) { return hn::Add(hn::Set(d, rows[j]), columns[k]); });
+    HWY_INLINE Int unclamped(const Columns& columns, const Rows& rows, std::size_t part) const {
+        return keys_of(part, [&](std::size_t k) { return hn::Add(rows.part[k], columns.part[k % column_parts]); });
     }
-    // One part of a row of keys, not clamped, from as many doubles as it takes; `depth(k)` gives the k-th vector of
+    // One part of sixteen keys, not clamped, from as many doubles as it takes; `depth(k)` gives the k-th vector of
     // them.
-    template <bool floats, class Depth> HWY_INLINE Int keys_of(std::size_t part, const Depth& depth) const {
-        const auto key = [&](std::size_t k) {
-            return to_key<floats>(hn::Add(depth(k), hn::Set(Doubles(), offset)), scale);
-        };
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_AVX3 // as many doubles in a vector as integers in a part
+    template <class Depth> HWY_INLINE Int keys_of(std::size_t part, const Depth& depth) const {
+        const auto key = [&](std::size_t k) { return to_key<kind>(depth(k), offset, scale); };
+#if HWY_TARGET == HWY_SCALAR
         return key(part);
 #else
         return hn::Combine(Ints(), key(2 * part + 1), key(2 * part));
@@ -83,10 +103,11 @@ struct DepthKeys {
     }
 
 private:
-    HWY_INLINE std::int32_t limit(double z) const {
+    HWY_INLINE std::int32_t limit(float depth) const {
         const hn::CappedTag<double, 1> d;
-        const auto inside = hn::Min(hn::Max(hn::Set(d, z + offset), hn::Zero(d)), hn::Set(d, 1.0));
-        return scale == 0 ? hn::GetLane(to_key<true>(inside, scale)) : hn::GetLane(to_key<false>(inside, scale));
+        const double z = static_cast<double>(depth) + offset;
+        const auto inside = hn::Min(hn::Max(hn::Set(d, z), hn::Zero(d)), hn::Set(d, 1.0));
+        return hn::GetLane(to_key<kind>(inside, 0.0, scale));
     }
 };
 
@@ -112,6 +133,28 @@ template <bool less> HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored
         break;
     }
     return hn::Ne(fresh, fresh);
+}
+
+// Tests a patch, of which `in` are the pixels that count, and stores what passes, depth and id; the pixels that pass.
+template <bool with_ids, bool less, KeyKind kind>
+HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth,
+                                    const typename DepthKeys<kind>::Columns& columns,
+                                    const typename DepthKeys<kind>::Rows& rows, std::size_t at, const Lanes* in,
+                                    bool all, std::uint32_t id) {
+    const Ints i;
+    std::uint64_t passed = 0;
+    for (std::size_t p = 0; p < int_parts; ++p, at += int_lanes) {
+        const Int fresh = depth.at(columns, rows, p), stored = hn::Load(i, tile.depth + at);
+        const Lanes pass = all ? in[p] : hn::And(passes<less>(state.test, fresh, stored), in[p]);
+        // Whole vectors, so that the next load need not wait for a part of one.
+        if (state.write) hn::Store(hn::IfThenElse(pass, fresh, stored), i, tile.depth + at);
+        if constexpr (with_ids) {
+            auto* ids = reinterpret_cast<std::int32_t*>(tile.id) + at;
+            hn::Store(hn::IfThenElse(pass, hn::Set(i, static_cast<std::int32_t>(id)), hn::Load(i, ids)), i, ids);
+        }
+        passed |= bits_of(i, pass) << (p * int_lanes);
+    }
+    return passed;
 }
 
 // The part of a triangle's box inside the tile, relative to it.

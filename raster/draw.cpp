@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/image.h"
+#include "core/large_memory.h"
 #include "raster/bins.h"
 #include "raster/fast_tile.h"
 #include "raster/setup_kernels.h"
@@ -86,17 +87,15 @@ struct DrawScratch {
     template <class T> class Buffer {
     public:
         T* room_for(size_t count) {
-            if (count > capacity_) {
-                data_ = nullptr;
-                data_ = std::make_unique_for_overwrite<T[]>(count);
-                capacity_ = count;
+            if (count > data_.size()) {
+                data_ = {};
+                data_.resize(count);
             }
-            return data_.get();
+            return data_.data();
         }
 
     private:
-        std::unique_ptr<T[]> data_;
-        size_t capacity_ = 0;
+        std::vector<T, LargeAllocator<T>> data_; // uninitialized
     };
     Buffer<vec4> positions;
     Buffer<float> varyings;
@@ -151,29 +150,31 @@ void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast,
     const std::vector<TileWork> work = tiles_with_work(grid, chunks, load);
     const size_t grain = work.size() > 1024 ? 4 : 1;
     std::vector<PassCounters> tile_counters(chunk_count(work.size(), grain));
-    const auto draw_tile = [&](size_t k, PassCounters& tile_counter) {
+    const auto draw_tile = [&](size_t k, std::vector<TileList>& lists, std::vector<std::uint16_t>& merged,
+                               PassCounters& tile_counter) {
         const int x = grid.pixel_x(work[k].tile), y = grid.pixel_y(work[k].tile);
-        std::array<TileList, batch_chunks> lists;
-        std::vector<std::uint16_t> merged;
-        size_t count = 0, most_merged = 0;
+        lists.clear();
+        merged.clear();
+        size_t most_merged = 0;
         for (std::uint64_t rest = work[k].chunks; rest; rest &= rest - 1)
             most_merged += chunks[static_cast<size_t>(std::countr_zero(rest))].most_merged();
         merged.reserve(most_merged);
         for (std::uint64_t rest = work[k].chunks; rest; rest &= rest - 1) {
             const Chunk& chunk = chunks[static_cast<size_t>(std::countr_zero(rest))];
-            lists[count++] = {&chunk.triangles, chunk.list(grid, work[k].tile, merged)};
+            lists.push_back({&chunk.triangles, chunk.list(grid, work[k].tile, merged)});
         }
-        const std::span<const TileList> used(lists.data(), count);
         if (fast) {
-            draw_fast_tile(tile_draw, *fast, x, y, load, used, tile_counter);
+            draw_fast_tile(tile_draw, *fast, x, y, load, lists, tile_counter);
             return;
         }
-        for (const TileList& list : used)
+        for (const TileList& list : lists)
             for (const std::uint16_t i : list.indices)
                 draw_in_tile(tile_draw, list.triangles->data[i], list.triangles->pieces.data(), x, y, tile_counter);
     };
     parallel_for(work.size(), grain, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) draw_tile(k, tile_counters[begin / grain]);
+        std::vector<TileList> lists;
+        std::vector<std::uint16_t> merged;
+        for (size_t k = begin; k < end; ++k) draw_tile(k, lists, merged, tile_counters[begin / grain]);
     });
     for (const PassCounters& c : tile_counters) counters.add(c);
 }

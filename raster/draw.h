@@ -121,7 +121,8 @@ struct FragmentBlock {
 
 struct Draw {
     Geometry geometry;
-    int varying_count = 0; // floats per vertex
+    int varying_count = 0;        // floats per vertex
+    bool linear_varyings = false; // some of them are interpolated linearly
     FragmentFlags flags;
     // Runs the vertex program for [begin, end).
     std::function<void(std::uint32_t begin, std::uint32_t end, vec4* positions, float* varyings)> vertices;
@@ -136,6 +137,13 @@ template <class V, size_t i> constexpr Interpolation interpolation_of() {
         return V::interpolation[i];
     else
         return Interpolation::Perspective;
+}
+
+template <class V> constexpr bool has_linear_varyings() {
+    if constexpr (requires { V::interpolation; })
+        for (const Interpolation how : V::interpolation)
+            if (how == Interpolation::Linear) return true;
+    return false;
 }
 
 // The varyings of a triangle's corners in the order of submission, and of its provoking vertex.
@@ -251,6 +259,7 @@ void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, cons
     detail::Draw call;
     call.geometry = geometry;
     call.varying_count = has_varyings ? static_cast<int>(sizeof(V) / sizeof(float)) : 0;
+    call.linear_varyings = detail::has_linear_varyings<V>();
     call.flags = fragment_program.flags;
     call.vertices = [&](std::uint32_t begin, std::uint32_t end, vec4* positions, [[maybe_unused]] float* varyings) {
         for (std::uint32_t i = begin; i < end; ++i) {

@@ -23,8 +23,51 @@ Extent extent_of(const Target& target, int level, int tile_x, int tile_y) {
     return {std::min(tile_side, target.width(level) - tile_x), std::min(tile_side, target.height(level) - tile_y)};
 }
 
-void load_depth(const Target& target, const Targets& targets, bool load, DepthTile& tile) {
+// Between rows of a target and a tile's patches: visit(texels, where they lie in the tile, how many of a patch's row).
+template <class AnyTarget, class T, class Visit>
+void for_each_patch_row(AnyTarget& target, const Targets& targets, const DepthTile& tile, T* places,
+                        const Visit& visit) {
     const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
+    const size_t bytes = patch_side * static_cast<size_t>(target.texel_bytes());
+    for (int j = 0; j < extent.rows; ++j) {
+        auto* texels = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
+        T* row = places + place_in_tile(0, j);
+        int i = 0;
+        for (; i + block_side <= extent.columns; i += block_side, texels += 2 * bytes, row += block_pixels) {
+            visit(texels, row, patch_side);
+            visit(texels + bytes, row + patch_pixels, patch_side);
+        }
+        if (i < extent.columns) visit(texels, row, std::min(patch_side, extent.columns - i));
+        if (i + patch_side < extent.columns) visit(texels + bytes, row + patch_pixels, extent.columns - i - patch_side);
+    }
+}
+
+void prefetch(const void* at) { _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T0); }
+
+// Asks for a tile's rows, which the prefetcher would not guess.
+void prefetch_rows(const Target& target, const Targets& targets, const DepthTile& tile) {
+    const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
+    for (int j = 0; j < extent.rows; ++j) {
+        const std::byte* row = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
+        const int bytes = extent.columns * target.texel_bytes();
+        for (int at = 0; at < bytes; at += 64) prefetch(row + at);
+    }
+}
+
+template <class T> void copy_in(const std::byte* from, T* to, int count) {
+    if (count == patch_side)
+        std::memcpy(to, from, patch_side * sizeof(T));
+    else
+        std::memcpy(to, from, static_cast<size_t>(count) * sizeof(T));
+}
+template <class T> void copy_out(std::byte* to, const T* from, int count) {
+    if (count == patch_side)
+        std::memcpy(to, from, patch_side * sizeof(T));
+    else
+        std::memcpy(to, from, static_cast<size_t>(count) * sizeof(T));
+}
+
+void load_depth(const Target& target, const Targets& targets, bool load, DepthTile& tile) {
     tile.unknown = ~std::uint64_t{0}, tile.loose = 0;
     if (load && targets.clear_depth) {
         const auto key =
@@ -35,62 +78,43 @@ void load_depth(const Target& target, const Targets& targets, bool load, DepthTi
         tile.unknown = 0;
         return;
     }
-    if (!extent.whole()) std::fill_n(tile.depth, tile_pixels, 0);
-    for (int j = 0; j < extent.rows; ++j) {
-        const std::byte* from = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
-        std::int32_t* to = tile.depth + j * tile_side;
-        if (target.texel_bytes() == 4) {
-            std::memcpy(to, from, static_cast<size_t>(extent.columns) * 4);
-        } else {
-            for (int i = 0; i < extent.columns; ++i) {
-                std::uint16_t key;
-                std::memcpy(&key, from + 2 * i, sizeof(key));
-                to[i] = key;
-            }
-        }
+    prefetch_rows(target, targets, tile);
+    if (!extent_of(target, targets.level, tile.x, tile.y).whole()) std::fill_n(tile.depth, tile_pixels, 0);
+    if (target.texel_bytes() == 4) {
+        for_each_patch_row(target, targets, tile, tile.depth, copy_in<std::int32_t>);
+        return;
     }
+    for_each_patch_row(target, targets, tile, tile.depth, [](const std::byte* from, std::int32_t* to, int count) {
+        for (int i = 0; i < count; ++i) {
+            std::uint16_t key;
+            std::memcpy(&key, from + 2 * i, sizeof(key));
+            to[i] = key;
+        }
+    });
 }
 
-// One row of the tile, 256 bytes.
-void stream_row(std::byte* to, const std::int32_t* from) {
-    for (int k = 0; k < tile_side; k += 4)
-        _mm_stream_si128(reinterpret_cast<__m128i*>(to + 4 * k),
-                         _mm_load_si128(reinterpret_cast<const __m128i*>(from + k)));
+// A patch's row past the caches: four of them fill a cache line in order.
+void stream_out(std::byte* to, const std::int32_t* from, int) {
+    _mm_stream_si128(reinterpret_cast<__m128i*>(to), _mm_load_si128(reinterpret_cast<const __m128i*>(from)));
 }
 
 void store_depth(Target& target, const Targets& targets, const DepthTile& tile) {
-    const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
-    const bool stream = is_streamed(target);
-    for (int j = 0; j < extent.rows; ++j) {
-        std::byte* to = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
-        const std::int32_t* from = tile.depth + j * tile_side;
-        if (stream && target.texel_bytes() == 4 && extent.columns == tile_side &&
-            reinterpret_cast<std::uintptr_t>(to) % 64 == 0) {
-            stream_row(to, from);
-        } else if (target.texel_bytes() == 4) {
-            std::memcpy(to, from, static_cast<size_t>(extent.columns) * 4);
-        } else {
-            for (int i = 0; i < extent.columns; ++i) {
-                const auto key = static_cast<std::uint16_t>(from[i]);
-                std::memcpy(to + 2 * i, &key, sizeof(key));
-            }
-        }
+    if (target.texel_bytes() == 4) {
+        const std::byte* first = target.texel(tile.x, tile.y, targets.layer, targets.level);
+        const size_t row_bytes = static_cast<size_t>(target.width(targets.level)) * 4;
+        const bool aligned = (reinterpret_cast<std::uintptr_t>(first) | row_bytes) % 64 == 0;
+        if (is_streamed(target) && aligned && extent_of(target, targets.level, tile.x, tile.y).columns == tile_side)
+            for_each_patch_row(target, targets, tile, tile.depth, stream_out);
+        else
+            for_each_patch_row(target, targets, tile, tile.depth, copy_out<std::int32_t>);
+        return;
     }
-}
-
-// Between a target's rows and the tile's blocks: visit(texels of the row, counters of the block's row, how many).
-template <class T, class Visit>
-void for_each_block_row(Target& target, const Targets& targets, const DepthTile& tile, T* counters,
-                        const Visit& visit) {
-    const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
-    for (int j = 0; j < extent.rows; ++j) {
-        std::byte* row = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
-        for (int i = 0; i < extent.columns; i += block_side) {
-            const int block = (j >> 3) * tile_blocks + (i >> 3);
-            visit(row + static_cast<size_t>(i) * sizeof(T), counters + 64 * block + block_side * (j & 7),
-                  std::min(block_side, extent.columns - i));
+    for_each_patch_row(target, targets, tile, tile.depth, [](std::byte* to, const std::int32_t* from, int count) {
+        for (int i = 0; i < count; ++i) {
+            const auto key = static_cast<std::uint16_t>(from[i]);
+            std::memcpy(to + 2 * i, &key, sizeof(key));
         }
-    }
+    });
 }
 
 template <class T> void load_counters(Target& target, const Targets& targets, bool load, DepthTile& tile, T* counters) {
@@ -98,16 +122,12 @@ template <class T> void load_counters(Target& target, const Targets& targets, bo
         std::fill_n(counters, tile_pixels, static_cast<T>(*targets.clear_stencil));
         return;
     }
-    for_each_block_row(target, targets, tile, counters, [](const std::byte* texels, T* block, int count) {
-        std::memcpy(block, texels, static_cast<size_t>(count) * sizeof(T));
-    });
+    for_each_patch_row(target, targets, tile, counters, copy_in<T>);
 }
 
 template <class T>
 void store_counters(Target& target, const Targets& targets, const DepthTile& tile, const T* counters) {
-    for_each_block_row(target, targets, tile, counters, [](std::byte* texels, const T* block, int count) {
-        std::memcpy(texels, block, static_cast<size_t>(count) * sizeof(T));
-    });
+    for_each_patch_row(target, targets, tile, counters, copy_out<T>);
 }
 
 // The load operations of colour targets, for a square of pixels.
@@ -139,6 +159,27 @@ std::uint64_t existing_pixels(const Target& target, int level, int x, int y) {
     return ((0xffull >> (8 - columns)) * 0x0101010101010101ull) & (~std::uint64_t{0} >> (8 * (8 - rows)));
 }
 
+// A block's words row by row.
+template <class From, class To> void copy_block(const From* from, int x, int y, To* to) {
+    static_assert(sizeof(From) == sizeof(To));
+    from += place_in_tile(x, y);
+    for (int j = 0; j < block_side; ++j)
+        for (int i = 0; i < block_side; i += patch_side)
+            std::memcpy(to + block_side * j + i, from + place_in_block(i, j), patch_side * sizeof(To));
+}
+
+// Asks for what the corners of some triangles hold.
+void prefetch_corners(const TileDraw& draw, std::span<const FragmentRun> runs) {
+    const auto count = static_cast<size_t>(draw.draw->varying_count);
+    for (const FragmentRun& run : runs) {
+        const uvec3 corner = draw.draw->geometry.triangles[run.triangle->primitive];
+        for (const std::uint32_t vertex : {corner.x, corner.y, corner.z}) {
+            prefetch(draw.positions + vertex);
+            prefetch(draw.varyings + vertex * count);
+        }
+    }
+}
+
 // Runs the program for the visible fragments, block by block; with `clear` all others get the targets' clear colour.
 void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std::span<const TileList> lists,
                    PassCounters& counters) {
@@ -150,10 +191,13 @@ void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std:
     block.counters = &counters;
     std::array<FragmentRun, 64> runs;
     std::array<AttributePlanes, 64> planes;
+    std::array<const ClippedPiece*, 64> pieces;
+    std::array<std::uint32_t, 64> ids;
+    const bool depth_is_key = draw.state->depth.write && targets.depth->format() == Format::D32F; // of what is visible
     for (int y = 0; y < tile_side; y += block_side)
         for (int x = 0; x < tile_side; x += block_side) {
-            const std::uint32_t* ids = tile.id + y * tile_side + x;
-            const std::uint64_t visible = ~draw.kernels->equal_ids(ids, DepthTile::no_id);
+            copy_block(tile.id, x, y, ids.data());
+            const std::uint64_t visible = ~draw.kernels->equal_ids(ids.data(), DepthTile::no_id);
             block.x = tile.x + x, block.y = tile.y + y;
             if (!visible) {
                 if (clear) fill_colors(targets, block.x, block.y, block_side);
@@ -162,16 +206,28 @@ void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std:
             size_t count = 0;
             for (std::uint64_t rest = visible; rest; rest &= ~runs[count++].mask) {
                 const int bit = std::countr_zero(rest);
-                const std::uint32_t id = ids[(bit >> 3) * tile_side + (bit & 7)];
+                const std::uint32_t id = ids[static_cast<size_t>(bit)];
                 const SetupTriangles& chunk = *lists[id / most_triangles_of_a_list].triangles;
                 const SetupTriangle& triangle = chunk.data[id % most_triangles_of_a_list];
-                if (has_varyings) planes[count] = attribute_planes(draw, triangle, chunk.pieces.data());
-                runs[count] = {&triangle, has_varyings ? &planes[count] : nullptr, draw.kernels->equal_ids(ids, id)};
-                Depths depth;
-                draw.kernels->depth(triangle, block.x, block.y, runs[count].mask, depth.data());
-                set_inputs(draw, runs[count], block, depth);
+                runs[count] = {&triangle, nullptr, draw.kernels->equal_ids(ids.data(), id)};
+                pieces[count] = chunk.pieces.data();
+                prefetch(&draw.draw->geometry.triangles[triangle.primitive]);
             }
             block.runs = std::span(runs.data(), count);
+            if (has_varyings) {
+                prefetch_corners(draw, block.runs);
+                for (size_t k = 0; k < count; ++k) {
+                    planes[k] = attribute_planes(draw, *runs[k].triangle, pieces[k]);
+                    runs[k].planes = &planes[k];
+                    set_varyings(draw, runs[k], block);
+                }
+            }
+            if (depth_is_key) copy_block(tile.depth, x, y, block.depth.data());
+            for (size_t k = 0; k < count && !depth_is_key; ++k) {
+                Depths depth;
+                draw.kernels->depth(*runs[k].triangle, block.x, block.y, runs[k].mask, depth.data());
+                set_depth(runs[k], block, depth);
+            }
             draw.draw->fragments(block, draw.varyings);
             std::uint64_t written = visible;
             if (clear) {
@@ -206,6 +262,7 @@ std::optional<ListState> list_state(const Draw& draw, const PipelineState& state
     list.test = state.depth.test;
     list.write = state.depth.write;
     list.conservative = state.conservative;
+    list.offset = state.polygon_offset.factor != 0 || state.polygon_offset.units != 0;
     list.key_scale = targets.depth->format() == Format::D16   ? 65535.0
                      : targets.depth->format() == Format::D24 ? 16777215.0
                                                               : 0.0;
@@ -242,7 +299,7 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
     if (state.mode == ListMode::Count32) load_counters(*targets.stencil, targets, load, tile, tile.count32);
 
     TileCounts counts;
-    const DrawList kernel = draw_list();
+    const DrawList kernel = draw_list(state);
     for (size_t k = 0; k < lists.size(); ++k)
         kernel(state, tile, lists[k].triangles->data.get(), lists[k].indices.data(), lists[k].indices.size(),
                static_cast<std::uint32_t>(k * most_triangles_of_a_list), counts);

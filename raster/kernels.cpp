@@ -54,29 +54,27 @@ void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, 
 
 void varyings(const float* v0, const float* v1, const float* v2, std::size_t count, std::uint64_t mask,
               const float* second, const float* third, float* out) {
-    const hn::CappedTag<float, block_side> f;
-    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<float, block_side>());
-    for (std::size_t i = 0; i < count; ++i, out += 64) {
-        const auto start = hn::Set(f, v0[i]), d1 = hn::Set(f, v1[i] - v0[i]), d2 = hn::Set(f, v2[i] - v0[i]);
-        std::size_t at = 0;
-        for (std::uint64_t rest = mask; rest; rest >>= 8, at += 8) {
-            if (!(rest & 0xff)) continue;
-            for (std::size_t p = 0; p < 8; p += lanes) {
-                const auto b1 = hn::LoadU(f, second + at + p), b2 = hn::LoadU(f, third + at + p);
-                const auto value = hn::Add(hn::Add(start, hn::Mul(b1, d1)), hn::Mul(b2, d2));
-                hn::BlendedStore(value, mask_of(f, (rest & 0xff) >> p), f, out + at + p);
-            }
+    const hn::CappedTag<float, 16> f;
+    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<float, 16>());
+    constexpr std::uint64_t all_lanes = (std::uint64_t{1} << lanes) - 1;
+    for (std::size_t at = 0; mask; at += lanes, mask >>= lanes) {
+        if (!(mask & all_lanes)) continue;
+        const auto in = mask_of(f, mask & all_lanes);
+        const auto b1 = hn::LoadU(f, second + at), b2 = hn::LoadU(f, third + at);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto d1 = hn::Set(f, v1[i] - v0[i]), d2 = hn::Set(f, v2[i] - v0[i]);
+            const auto value = hn::Add(hn::Add(hn::Set(f, v0[i]), hn::Mul(b1, d1)), hn::Mul(b2, d2));
+            hn::BlendedStore(value, in, f, out + 64 * i + at);
         }
     }
 }
 
 std::uint64_t equal_ids(const std::uint32_t* ids, std::uint32_t id) {
-    const hn::CappedTag<std::uint32_t, block_side> u;
+    const hn::CappedTag<std::uint32_t, 16> u;
     const auto wanted = hn::Set(u, id);
     std::uint64_t equal = 0;
-    for (std::size_t j = 0; j < block_side; ++j)
-        for (std::size_t i = 0; i < block_side; i += hn::MaxLanes(u))
-            equal |= bits_of(u, hn::Eq(hn::LoadU(u, ids + tile_side * j + i), wanted)) << (8 * j + i);
+    for (std::size_t k = 0; k < 64; k += hn::MaxLanes(u))
+        equal |= bits_of(u, hn::Eq(hn::LoadU(u, ids + k), wanted)) << k;
     return equal;
 }
 

@@ -38,7 +38,7 @@ struct Kernels {
     std::uint64_t (*test_d32f)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, float* stored,
                                std::size_t stride, Compare test, bool write);
 
-    // Pixels of a block of a tile's ids, rows tile_side apart, that hold `id`.
+    // Pixels of a block of 64 ids, row by row, that hold `id`.
     std::uint64_t (*equal_ids)(const std::uint32_t* ids, std::uint32_t id);
 };
 

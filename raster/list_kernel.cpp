@@ -5,6 +5,7 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #include <hwy/foreach_target.h>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "raster/blocks-inl.h"
@@ -15,34 +16,15 @@ HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The innermost functions for a depth format and test.
-struct BlockFunctions {
-    decltype(&draw_small<false, true, true>) small;
-    decltype(&test_block<false, true, true>) test;
-    decltype(&fill_block<false, true>) fill;
-    decltype(&bound_depths<true>) bound;
-};
-
-template <bool with_ids> BlockFunctions block_functions(const ListState& state) {
-    const bool less = state.test == Compare::Less;
-    if (state.key_scale == 0)
-        return {less ? draw_small<with_ids, true, true> : draw_small<with_ids, true, false>,
-                less ? test_block<with_ids, true, true> : test_block<with_ids, true, false>, fill_block<with_ids, true>,
-                bound_depths<true>};
-    return {less ? draw_small<with_ids, false, true> : draw_small<with_ids, false, false>,
-            less ? test_block<with_ids, false, true> : test_block<with_ids, false, false>, fill_block<with_ids, false>,
-            bound_depths<false>};
-}
-
 // One triangle, by blocks.
-template <ListMode mode>
-void draw_blocks(const ListState& state, const BlockFunctions& functions, DepthTile& tile, const SetupTriangle& t,
-                 const LocalBox& box, std::uint32_t id, TileCounts& counts) {
+template <ListMode mode, KeyKind kind, bool less>
+HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
+                              std::uint32_t id, TileCounts& counts) {
     constexpr bool with_ids = mode == ListMode::Ids, counting = mode == ListMode::Count8 || mode == ListMode::Count32;
     const TileEdges tile_edge = tile_edges(t, state.conservative, tile.x, tile.y);
     if (tile_edge.empty) return;
     const BlockEdges edges(tile_edge);
-    DepthKeys depth(t, state.key_scale);
+    const DepthKeys<kind> depth(t, state.key_scale);
     const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
     const std::uint32_t columns = (2u << c1) - (1u << c0);
     // Columns of blocks that the box holds whole.
@@ -61,12 +43,11 @@ void draw_blocks(const ListState& state, const BlockFunctions& functions, DepthT
         bounded = false;
         const std::uint32_t in_box = y >= box.y0 && y + 7 <= box.y1 ? whole_columns : 0;
         const std::uint32_t whole = in_box & ~(row.crossed[0] | row.crossed[1] | row.crossed[2]);
-        depth.set_rows(tile.y + y, block_side);
         prepare_bounds(state, tile, r, touched, low, high);
         const int first = r * tile_blocks;
         Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
         if (large && touched & ~(verdicts.all | verdicts.none)) { // what the whole triangle's range leaves open
-            functions.bound(depth, tile.x, low, high);
+            bound_depths(depth, tile.x, tile.y + y, low, high);
             prepare_bounds(state, tile, r, touched, low, high);
             verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
             bounded = true;
@@ -76,7 +57,7 @@ void draw_blocks(const ListState& state, const BlockFunctions& functions, DepthT
         const std::uint32_t filled = state.write ? whole & verdicts.all : 0;
         for (std::uint32_t rest = filled; rest; rest &= rest - 1) {
             const int c = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
-            functions.fill(tile, depth, c * block_side, y, low[c], high[c], id);
+            fill_block<with_ids>(tile, depth, c * block_side, y, low[c], high[c], id);
             tile.nearest[first + c] = low[c], tile.farthest[first + c] = high[c];
         }
         tile.loose &= ~(static_cast<std::uint64_t>(filled) << first);
@@ -99,7 +80,7 @@ void draw_blocks(const ListState& state, const BlockFunctions& functions, DepthT
             if (all && !with_ids && !state.write) {
                 passed = covered;
             } else if (!(verdicts.none >> column & 1)) {
-                passed = functions.test(state, tile, depth, x, y, covered, all, id);
+                passed = test_block<with_ids, kind, less>(state, tile, depth, x, y, covered, all, id);
                 if (passed && state.write) loosen_bounds(state, tile, block, low[column], high[column]);
             }
             counts.passed += bit_count(passed);
@@ -108,37 +89,52 @@ void draw_blocks(const ListState& state, const BlockFunctions& functions, DepthT
     }
 }
 
-template <ListMode mode>
+template <ListMode mode, KeyKind kind, bool less>
 void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
               std::size_t count, std::uint32_t first_id, TileCounts& counts) {
     constexpr bool counting = mode == ListMode::Count8 || mode == ListMode::Count32;
-    const BlockFunctions functions = block_functions<mode == ListMode::Ids>(state);
+    constexpr std::size_t ahead = 8; // triangles on their way from memory
     for (std::size_t k = 0; k < count; ++k) {
+        if (k + ahead < count) {
+            hwy::Prefetch(&triangles[list[k + ahead]]);
+            hwy::Prefetch(&triangles[list[k + ahead]].depth_dx);
+        }
         const SetupTriangle& t = triangles[list[k]];
         const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
-        if (t.small && !counting)
-            functions.small(state, tile, t, box, id, counts);
+        if (t.small && !counting && (box.x1 >> 2) - (box.x0 >> 2) > 2)
+            draw_medium<mode == ListMode::Ids, kind, less>(state, tile, t, box, id, counts);
+        else if (t.small && !counting)
+            draw_small<mode == ListMode::Ids, kind, less>(state, tile, t, box, id, counts);
         else
-            draw_blocks<mode>(state, functions, tile, t, box, id, counts);
+            draw_blocks<mode, kind, less>(state, tile, t, box, id, counts);
     }
 }
 
-void draw(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
-          std::size_t count, std::uint32_t first_id, TileCounts& counts) {
+template <ListMode mode, KeyKind kind> DrawList for_test(const ListState& state) {
+    return state.test == Compare::Less ? draw_all<mode, kind, true> : draw_all<mode, kind, false>;
+}
+template <ListMode mode> DrawList for_format(const ListState& state) {
+    if (state.key_scale != 0) return for_test<mode, KeyKind::Unorm>(state);
+    return state.offset ? for_test<mode, KeyKind::OffsetFloat>(state) : for_test<mode, KeyKind::Float>(state);
+}
+
+DrawList list_function(const ListState& state) {
     switch (state.mode) {
     case ListMode::Depth:
-        return draw_all<ListMode::Depth>(state, tile, triangles, list, count, first_id, counts);
+        return for_format<ListMode::Depth>(state);
     case ListMode::Ids:
-        return draw_all<ListMode::Ids>(state, tile, triangles, list, count, first_id, counts);
+        return for_format<ListMode::Ids>(state);
     case ListMode::Count8:
-        return draw_all<ListMode::Count8>(state, tile, triangles, list, count, first_id, counts);
+        return for_format<ListMode::Count8>(state);
     case ListMode::Count32:
-        return draw_all<ListMode::Count32>(state, tile, triangles, list, count, first_id, counts);
+        break;
     }
+    return for_format<ListMode::Count32>(state);
 }
 
-DrawList list_table() { return draw; }
+using ListFunctions = DrawList (*)(const ListState& state);
+ListFunctions list_table() { return list_function; }
 
 } // namespace gnomon::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -149,9 +145,10 @@ HWY_AFTER_NAMESPACE();
 namespace gnomon::detail {
 HWY_EXPORT(list_table);
 
-DrawList draw_list() {
-    static const DrawList chosen = for_chosen_isa([] { return HWY_DYNAMIC_DISPATCH(list_table)(); });
-    return chosen;
+DrawList draw_list(const ListState& state) {
+    static DrawList (*const chosen)(const ListState&) =
+        for_chosen_isa([] { return HWY_DYNAMIC_DISPATCH(list_table)(); });
+    return chosen(state);
 }
 } // namespace gnomon::detail
 #endif

@@ -15,23 +15,38 @@ namespace {
 
 using detail::Survivors;
 
-// Through three values at the corners in their order around the triangle: the gradients per pixel.
-Plane plane_through(const SetupTriangle& t, const std::array<double, 3>& f) {
-    const dvec2 e1 = dvec2(t.x[1] - t.x[0], t.y[1] - t.y[0]) * (1.0 / subpixels);
-    const dvec2 e2 = dvec2(t.x[2] - t.x[0], t.y[2] - t.y[0]) * (1.0 / subpixels);
-    const double area = e1.x * e2.y - e2.x * e1.y;
-    const double d1 = f[1] - f[0], d2 = f[2] - f[0];
-    return {f[0], (d1 * e2.y - d2 * e1.y) / area, (d2 * e1.x - d1 * e2.x) / area};
-}
+// What the planes of one triangle share: its edges from the anchor in pixels, and which submitted corner stands where.
+struct PlaneFrame {
+    dvec2 e1, e2;
+    double area;
+    std::array<size_t, 3> corner;
 
-AttributePlanes planes_of(const SetupTriangle& t, const std::array<dvec3, 3>& barycentric, const vec3& w) {
-    const auto plane = [&](const auto& value) {
-        return plane_through(t, {value(t.corner(0)), value(t.corner(1)), value(t.corner(2))});
-    };
-    const auto inverse_w = [&](size_t i) { return 1.0 / static_cast<double>(w[static_cast<glm::length_t>(i)]); };
-    return {plane(inverse_w), plane([&](size_t i) { return barycentric[i].y * inverse_w(i); }),
-            plane([&](size_t i) { return barycentric[i].z * inverse_w(i); }),
-            plane([&](size_t i) { return barycentric[i].y; }), plane([&](size_t i) { return barycentric[i].z; })};
+    explicit PlaneFrame(const SetupTriangle& t)
+        : e1(dvec2(t.x[1] - t.x[0], t.y[1] - t.y[0]) * (1.0 / subpixels)),
+          e2(dvec2(t.x[2] - t.x[0], t.y[2] - t.y[0]) * (1.0 / subpixels)),
+          area(e1.x * e2.y - e2.x * e1.y), corner{t.corner(0), t.corner(1), t.corner(2)} {}
+
+    // Through three values at the submitted corners: the gradients per pixel.
+    Plane through(const std::array<double, 3>& value) const {
+        const double f = value[corner[0]], d1 = value[corner[1]] - f, d2 = value[corner[2]] - f;
+        return {f, (d1 * e2.y - d2 * e1.y) / area, (d2 * e1.x - d1 * e2.x) / area};
+    }
+};
+
+AttributePlanes planes_of(const SetupTriangle& t, const std::array<dvec3, 3>& barycentric, const vec3& w, bool linear) {
+    const PlaneFrame frame(t);
+    const std::array<double, 3> inverse_w = {1.0 / static_cast<double>(w.x), 1.0 / static_cast<double>(w.y),
+                                             1.0 / static_cast<double>(w.z)};
+    const auto plane = [&](const auto& value) { return frame.through({value(0), value(1), value(2)}); };
+    AttributePlanes planes;
+    planes.inverse_w = frame.through(inverse_w);
+    planes.second = plane([&](size_t i) { return barycentric[i].y * inverse_w[i]; });
+    planes.third = plane([&](size_t i) { return barycentric[i].z * inverse_w[i]; });
+    if (linear) {
+        planes.second_linear = plane([&](size_t i) { return barycentric[i].y; });
+        planes.third_linear = plane([&](size_t i) { return barycentric[i].z; });
+    }
+    return planes;
 }
 
 // Clips one triangle and appends the pieces that are not culled, at most one for each corner of the polygon.
@@ -100,13 +115,13 @@ TileEdges tile_edges(const SetupTriangle& t, bool conservative, int tile_x, int 
     return edges;
 }
 
-AttributePlanes attribute_planes(const SetupTriangle& triangle, const vec3& w) {
-    return planes_of(triangle, {dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)}, w);
+AttributePlanes attribute_planes(const SetupTriangle& triangle, const vec3& w, bool linear) {
+    return planes_of(triangle, {dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)}, w, linear);
 }
 
-AttributePlanes attribute_planes(const SetupTriangle& triangle, const ClippedPiece& piece) {
+AttributePlanes attribute_planes(const SetupTriangle& triangle, const ClippedPiece& piece, bool linear) {
     return planes_of(triangle, {piece.barycentric[0], piece.barycentric[1], piece.barycentric[2]},
-                     {piece.w[0], piece.w[1], piece.w[2]});
+                     {piece.w[0], piece.w[1], piece.w[2]}, linear);
 }
 
 std::span<const glm::ivec2> sample_positions(int samples) {

@@ -42,12 +42,16 @@ struct SetupTriangle {
     std::uint8_t first;           // which submitted corner is the anchor; of a piece: of its own corners
     bool reversed;                // the corners run against the order of submission
     bool front;
-    bool small; // at most 16 pixels wide and high before any box cut it: edge functions around it fit 32 bits
+    bool small; // at most 64 pixels wide and high before any box cut it: edge functions around it fit 32 bits, and
+                // floats
 
     static constexpr std::uint32_t whole = 0xffffffffu;
 
     // Which submitted corner stands at place k.
-    size_t corner(size_t k) const { return (first + (reversed ? 3 - k : k)) % 3; }
+    size_t corner(size_t k) const {
+        const size_t place = first + (reversed ? 3 - k : k); // at most 5
+        return place < 3 ? place : place - 3;
+    }
     double anchor_x() const { return x[0] * (1.0 / subpixels); } // pixels
     double anchor_y() const { return y[0] * (1.0 / subpixels); }
     double evaluate(const Plane& plane, int px, int py) const {
@@ -79,9 +83,10 @@ struct ClippedPiece {
     float w[3];
 };
 
-// Of a whole triangle, from the w of its corners in the order of submission; of a piece, from what it carries.
-AttributePlanes attribute_planes(const SetupTriangle& triangle, const vec3& w);
-AttributePlanes attribute_planes(const SetupTriangle& triangle, const ClippedPiece& piece);
+// Of a whole triangle, from the w of its corners in the order of submission; of a piece, from what it carries. The
+// linear planes are made where `linear` asks for them.
+AttributePlanes attribute_planes(const SetupTriangle& triangle, const vec3& w, bool linear);
+AttributePlanes attribute_planes(const SetupTriangle& triangle, const ClippedPiece& piece, bool linear);
 
 // Sample positions in 1/256 pixel from the pixel's lower left corner, in the targets' memory order. [Vulkan 1.3, 25.3
 // "Standard sample locations"; D3D11.3 19.2.4.1]

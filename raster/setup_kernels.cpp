@@ -265,7 +265,7 @@ void finish_part(const SetupState& state, const Survivors& in, std::size_t at, F
     const bool whole_pixels = state.conservative || state.multisampled;
     PixelRange<decltype(i), V> columns(i, v.x[0], v.x[1], v.x[2], whole_pixels);
     PixelRange<decltype(i), V> rows(i, v.y[0], v.y[1], v.y[2], whole_pixels);
-    const V limit = hn::Set(i, 32);
+    const V limit = hn::Set(i, 64);
     const auto small =
         hn::And(hn::Lt(hn::Sub(columns.last, columns.first), limit), hn::Lt(hn::Sub(rows.last, rows.first), limit));
     hn::StoreU(hn::IfThenElseZero(small, hn::Set(i, 1)), i, out.small);

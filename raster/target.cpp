@@ -2,22 +2,20 @@
 
 #include <bit>
 #include <cstring>
-#include <new>
 
 #include <emmintrin.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 
 #include "core/error.h"
 #include "core/image.h"
+#include "core/large_memory.h"
 #include "core/parallel.h"
 
 namespace gnomon {
 namespace {
 
 using Kind = FormatInfo::Kind;
-constexpr size_t alignment = 4096;
-constexpr size_t huge_page = size_t{2} << 20;
+constexpr size_t clear_grain = size_t{2} << 20; // bytes
 
 template <class T> T read(const std::byte* bytes, int i) {
     T value;
@@ -39,7 +37,7 @@ constexpr std::array<float, 256> unorm8 = [] {
 } // namespace
 
 void Target::Release::operator()(std::byte* bytes) const {
-    ::operator delete[](bytes, std::align_val_t(size >= huge_page ? huge_page : alignment));
+    free_large(bytes, size);
     if (meter) meter->release(static_cast<std::int64_t>(size));
 }
 
@@ -56,12 +54,10 @@ Target::Target(Format format, int width, int height, int layers, std::shared_ptr
         throw UsageError(fmt::format("a render target of {}x{} has between 1 and {} mip levels, not {}", width, height,
                                      full_level_count(width, height), levels));
     size_ = level_begin(levels);
-    const bool huge = size_ >= huge_page;
-    auto* bytes = static_cast<std::byte*>(::operator new[](size_, std::align_val_t(huge ? huge_page : alignment)));
+    auto* bytes = static_cast<std::byte*>(allocate_large(size_));
     if (meter) meter->allocate(static_cast<std::int64_t>(size_));
     bytes_ = {bytes, Release{size_, std::move(meter)}};
-    if (huge) madvise(bytes, size_, MADV_HUGEPAGE);
-    parallel_for(size_, huge_page, [&](size_t begin, size_t end) { std::memset(bytes + begin, 0, end - begin); });
+    parallel_for(size_, clear_grain, [&](size_t begin, size_t end) { std::memset(bytes + begin, 0, end - begin); });
 }
 
 size_t Target::level_begin(int level) const {

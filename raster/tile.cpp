@@ -110,7 +110,8 @@ struct Shading {
         const FragmentRun run = {&triangle, planes, lanes};
         block.runs = {&run, 1};
         block.kept = lanes;
-        set_inputs(tile, run, block, depth);
+        set_depth(run, block, depth);
+        set_varyings(tile, run, block);
         counters.fragments_shaded += std::popcount(lanes);
         tile.draw->fragments(block, tile.varyings);
         return block.kept;
@@ -196,10 +197,13 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, LazyPlanes&
 
 } // namespace
 
-void set_inputs(const TileDraw& tile, const FragmentRun& run, FragmentBlock& block, const Depths& depth) {
+void set_depth(const FragmentRun& run, FragmentBlock& block, const Depths& depth) {
     for_each_pixel(run.mask, [&](int bit) {
         block.depth[static_cast<size_t>(bit)] = static_cast<float>(depth[static_cast<size_t>(bit)]);
     });
+}
+
+void set_varyings(const TileDraw& tile, const FragmentRun& run, FragmentBlock& block) {
     if (!run.planes) return;
     tile.kernels->barycentrics(*run.triangle, *run.planes, block.x, block.y, run.mask, block.inverse_w.data(),
                                block.second.data(), block.third.data());
@@ -211,10 +215,12 @@ void set_inputs(const TileDraw& tile, const FragmentRun& run, FragmentBlock& blo
 }
 
 AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces) {
-    if (triangle.piece != SetupTriangle::whole) return gnomon::attribute_planes(triangle, pieces[triangle.piece]);
+    const bool linear = tile.draw->linear_varyings;
+    if (triangle.piece != SetupTriangle::whole)
+        return gnomon::attribute_planes(triangle, pieces[triangle.piece], linear);
     const uvec3 index = tile.draw->geometry.triangles[triangle.primitive];
     return gnomon::attribute_planes(
-        triangle, vec3(tile.positions[index.x].w, tile.positions[index.y].w, tile.positions[index.z].w));
+        triangle, vec3(tile.positions[index.x].w, tile.positions[index.y].w, tile.positions[index.z].w), linear);
 }
 
 ColorBytes color_bytes(const TileDraw& tile) {

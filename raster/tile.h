@@ -22,8 +22,9 @@ AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& tria
 
 using Depths = std::array<double, 64>;
 
-// The inputs of a run's fragments from its depths and planes.
-void set_inputs(const TileDraw& tile, const FragmentRun& run, FragmentBlock& block, const Depths& depth);
+// The inputs of a run's fragments: from its depths, and from its planes where it has any.
+void set_depth(const FragmentRun& run, FragmentBlock& block, const Depths& depth);
+void set_varyings(const TileDraw& tile, const FragmentRun& run, FragmentBlock& block);
 
 // Writes what the fragment program gave to the colour targets, for the pixels of the mask in the block at (x, y).
 void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const BlockColors& colors);

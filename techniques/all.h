@@ -8,6 +8,14 @@ namespace gnomon {
 Entry sm_entry();
 Entry pcf_entry();
 Entry vsm_entry();
+Entry smsr_entry();
+Entry rbsm_cons_entry();
+Entry rbsm_nonc_entry();
+Entry rbsm_filt_entry();
+Entry rpcf_entry();
+Entry rpcf_opt_entry();
+Entry rpcf_hard_entry();
+Entry edtsm_entry();
 Entry pcss_entry();
 Entry sv_zpass_entry();
 Entry sv_zfail_entry();

@@ -8,8 +8,9 @@ namespace gnomon {
 
 std::span<const Entry> techniques() {
     static const std::vector<Entry> entries = {
-        sm_entry(),       pcf_entry(),      vsm_entry(),       pcss_entry(),
-        sv_zpass_entry(), sv_zfail_entry(), raytraced_entry(), truth_entry(),
+        sm_entry(),        pcf_entry(),      vsm_entry(),       smsr_entry(),      rbsm_cons_entry(), rbsm_nonc_entry(),
+        rbsm_filt_entry(), rpcf_entry(),     rpcf_opt_entry(),  rpcf_hard_entry(), edtsm_entry(),     pcss_entry(),
+        sv_zpass_entry(),  sv_zfail_entry(), raytraced_entry(), truth_entry(),
     };
     return entries;
 }

@@ -47,6 +47,11 @@ struct TechniqueInfo {
     TechniqueKind kind = TechniqueKind::Hard;
     std::string paper; // "Reeves, Salesin, Cook 1987; Macedo 2018, 2.18"
     LightTypes lights = all_lights;
+    // What `gnomon help` adds where they are given, each a line or a few.
+    std::string section = "";   // where the paper has it: "3.2"
+    std::string equations = ""; // "(3.3), (3.4), (3.9)"
+    std::string strengths = ""; // what it is good at
+    std::string artifacts = ""; // what is known to go wrong, and where
 };
 
 struct Entry {

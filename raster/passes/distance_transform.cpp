@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/large_memory.h"
 #include "core/vector_clones.h"
 #include "raster/full_screen.h"
 #include "raster/passes/rows.h"
@@ -32,20 +33,23 @@ void sweep_down(std::int16_t* found, std::int32_t* above, std::int32_t y, std::i
     }
 }
 
-// Phase 1: the nearest seed of each pixel within its own column, or no_row.
-Image<std::int16_t> nearest_rows(const Image<std::uint8_t>& seeds) {
-    const int width = seeds.width(), height = seeds.height();
-    Image<std::int16_t> rows(width, height, no_row);
-    parallel_for(static_cast<size_t>(width), stripe_columns, [&](size_t begin, size_t end) {
+using Rows = std::vector<std::int16_t, LargeAllocator<std::int16_t>>;
+
+// Phase 1: the nearest seed of each pixel within its own column, or no_row; row by row.
+Rows nearest_rows(const Image<std::uint8_t>& seeds) {
+    const int height = seeds.height();
+    const auto width = static_cast<size_t>(seeds.width());
+    Rows rows(seeds.size());
+    parallel_for(width, stripe_columns, [&](size_t begin, size_t end) {
         const int x = static_cast<int>(begin);
         const size_t count = end - begin;
+        const auto row = [&](int y) { return rows.data() + static_cast<size_t>(y) * width + begin; };
         const std::vector<std::int16_t> nothing(count, no_row);
         for (int y = 0; y < height; ++y)
-            sweep_up(&seeds(x, y), y > 0 ? &rows(x, y - 1) : nothing.data(), &rows(x, y), static_cast<std::int16_t>(y),
-                     count);
+            sweep_up(&seeds(x, y), y > 0 ? row(y - 1) : nothing.data(), row(y), static_cast<std::int16_t>(y), count);
         const std::int32_t none_above = 2 * max_image_side;
         std::vector<std::int32_t> above(count, none_above);
-        for (int y = height - 1; y >= 0; --y) sweep_down(&rows(x, y), above.data(), y, none_above, count);
+        for (int y = height - 1; y >= 0; --y) sweep_down(row(y), above.data(), y, none_above, count);
     });
     return rows;
 }
@@ -96,11 +100,12 @@ struct Envelope {
 
 Image<Site> nearest_seeds(Pass& pass, const Image<std::uint8_t>& seeds) {
     const int width = seeds.width();
-    const Image<std::int16_t> rows = nearest_rows(seeds);
+    const Rows rows = nearest_rows(seeds);
     Image<Site> sites(width, seeds.height());
     detail::for_each_row(pass, seeds.height(), [&](int y, PassCounters& counters) {
         Envelope envelope(width);
-        envelope.trace(rows.row(y), y, sites.row(y));
+        const auto columns = static_cast<size_t>(width);
+        envelope.trace({rows.data() + static_cast<size_t>(y) * columns, columns}, y, sites.row(y));
         detail::count_fragments(counters, 5 * width, 5 * width, site_bytes, site_bytes);
     });
     pass.counters().draws += 4; // five passes in all

@@ -48,17 +48,20 @@ template <int C> struct Neighbourhood {
     }
 };
 
-template <int C> glm::vec<C, float> mean(Neighbourhood<C>& at, float half_width, float threshold) {
+template <int C> glm::vec<C, float> mean(Neighbourhood<C>& at, float half_width, const MeanFilter& filter) {
     const auto side = static_cast<float>(at.before + at.after + 1);
-    const int reach = half_width > 0.0f ? static_cast<int>(std::min(half_width, side)) : 0;
+    const float reach = half_width > 0.0f ? std::min(half_width, side) : 0.0f;
+    const int whole = static_cast<int>(reach);
+    const int taps = filter.from_edge ? 1 + static_cast<int>(2.0f * reach) : 1 + 2 * whole;
     const glm::vec<C, float> centre = at.value();
     const float own_guide = at.guide();
     glm::vec<C, float> sum(0.0f);
-    for (int k = -reach; k <= reach; ++k) {
-        const bool keeps = at.valid(k) && std::abs(at.guide(k) - own_guide) < threshold;
+    for (int i = 0; i < taps; ++i) {
+        const int k = filter.from_edge ? static_cast<int>(std::round(static_cast<float>(i) - reach)) : i - whole;
+        const bool keeps = at.valid(k) && std::abs(at.guide(k) - own_guide) < filter.threshold;
         sum += keeps ? at.value(k) : centre;
     }
-    return sum / static_cast<float>(2 * reach + 1);
+    return sum / static_cast<float>(taps);
 }
 
 std::vector<float> spatial_weights(const BilateralFilter& filter) {
@@ -138,7 +141,7 @@ void filter_image(Pass& pass, const Target& source, const Target& guide, const T
 void mean_filter(Pass& pass, const Target& source, const Target& guide, const Target& half_width, Target& destination,
                  const MeanFilter& filter) {
     filter_image(pass, source, guide, half_width, destination, filter.axis,
-                 [&](auto& at, float width) { return mean(at, width, filter.threshold); });
+                 [&](auto& at, float width) { return mean(at, width, filter); });
 }
 
 void bilateral_filter(Pass& pass, const Target& source, const Target& guide, const Target& half_width,

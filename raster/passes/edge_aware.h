@@ -18,10 +18,12 @@ enum class Axis { Rows, Columns };
 
 // Replaced taps, not dropped ones: a tap that is invalid, or whose guide differs by `threshold` or more, counts as the
 // pixel itself. I' = Σ over k = −H..H / (2H + 1), H = ⌊half_width⌋ (0 unless positive, at most the image's side), in
-// float from the lowest k up. [Macedo 2018, 2.29b, meanPass]
+// float from the lowest k up. [Macedo 2018, 2.29b, meanPass] `from_edge` starts at −half_width instead, whole or not,
+// and goes up to half_width in steps of 1, each tap the nearest pixel (halves away from 0). [the author's programs]
 struct MeanFilter {
     Axis axis = Axis::Rows;
     float threshold = infinity; // in the guide's units
+    bool from_edge = false;
 };
 void mean_filter(Pass& pass, const Target& source, const Target& guide, const Target& half_width, Target& destination,
                  const MeanFilter& filter);

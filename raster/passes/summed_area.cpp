@@ -116,9 +116,10 @@ template <class T> SummedArea<T> summed_area(Pass& pass, const Target& source, c
     const int width = source.width(), height = source.height(), channels = info(source.format()).channels;
     const auto row_values = static_cast<size_t>(width * channels);
     const double scale = fixed_point<T> ? std::ldexp(1.0, options.fraction_bits) : 1.0;
-    SummedArea<T> table{
-        width, height, channels, options.offset, 1.0 / scale, std::vector<T>(row_values * static_cast<size_t>(height)),
-        {}};
+    SummedArea<T> table{width,       height,
+                        channels,    options.offset,
+                        1.0 / scale, std::vector<T, LargeAllocator<T>>(row_values * static_cast<size_t>(height)),
+                        {}};
     const auto bytes = static_cast<std::int64_t>(table.sums.size() * sizeof(T));
     table.metered = MeteredBytes(options.meter, bytes);
     const MeteredBytes ping_pong(options.meter, bytes);

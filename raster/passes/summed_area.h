@@ -16,6 +16,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/large_memory.h"
 #include "raster/passes/metered.h"
 #include "raster/target.h"
 
@@ -31,8 +32,8 @@ struct SummedAreaOptions {
 template <class T> struct SummedArea {
     int width, height, channels;
     float offset;
-    double unit;         // of a stored 1: 2^−fraction_bits, or 1
-    std::vector<T> sums; // row by row from the bottom, channels interleaved
+    double unit;                            // of a stored 1: 2^−fraction_bits, or 1
+    std::vector<T, LargeAllocator<T>> sums; // row by row from the bottom, channels interleaved
     MeteredBytes metered;
 
     T sum(int x, int y, int c) const { // zero left of the map and under it

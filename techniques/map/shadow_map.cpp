@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/parallel.h"
 #include "raster/draw.h"
 
 namespace gnomon {
@@ -79,9 +80,8 @@ MapPoint map_point(const LightMap& map, const Light& light, const Receiver& rece
     return point;
 }
 
-MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth) {
+MapTap tap_outside(const LightMap& map, int layer, int x, int y, float depth) {
     const int size = map.params.size;
-    if (x >= 0 && y >= 0 && x < size && y < size) return {true, layer, x, y, depth};
     if (map.views.size() == 1) return {false, layer, x, y, depth};
     // The point at the tap's direction and depth, projected on the face that it belongs to.
     const LightView& view = map.views[static_cast<size_t>(layer)];
@@ -101,13 +101,12 @@ MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth) {
 }
 
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters) {
-    const auto cell = [n](int i) { return (static_cast<float>(2 * i + 1) / static_cast<float>(n)) - 1.0f; };
     const auto texel = [](float coordinate) { return static_cast<int>(std::floor(coordinate)); };
     int lit = 0;
     for (int v = 0; v < n; ++v) {
-        const int y = texel(point.texel.y + cell(v) * reach.y);
+        const int y = texel(point.texel.y + kernel_cell(v, n) * reach.y);
         for (int u = 0; u < n; ++u) {
-            const int x = texel(point.texel.x + cell(u) * reach.x);
+            const int x = texel(point.texel.x + kernel_cell(u, n) * reach.x);
             lit += shadow_test(map, point.layer, x, y, point.depth_at(x, y), counters) > 0.0f;
         }
     }
@@ -116,14 +115,21 @@ float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2
 
 Image<float> show_depth(const Target& depth, int layer) {
     Image<float> shown(depth.width(), depth.height());
-    float least = 1.0f;
-    for (int y = 0; y < depth.height(); ++y)
-        for (int x = 0; x < depth.width(); ++x) {
-            shown(x, y) = depth.depth(x, y, layer);
-            least = std::min(least, shown(x, y));
-        }
-    if (least < 1.0f)
-        for (float& value : shown.values()) value = (value - least) / (1.0f - least);
+    const auto height = static_cast<size_t>(depth.height());
+    constexpr size_t grain = 64; // rows
+    std::vector<float> least(chunk_count(height, grain), 1.0f);
+    parallel_for(height, grain, [&](size_t begin, size_t end) {
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+            for (int x = 0; x < depth.width(); ++x) {
+                shown(x, y) = depth.depth(x, y, layer);
+                least[begin / grain] = std::min(least[begin / grain], shown(x, y));
+            }
+    });
+    const float black = *std::min_element(least.begin(), least.end());
+    if (!(black < 1.0f)) return shown;
+    parallel_for(shown.size(), grain * 1024, [&](size_t begin, size_t end) {
+        for (float& value : shown.values().subspan(begin, end - begin)) value = (value - black) / (1.0f - black);
+    });
     return shown;
 }
 

@@ -82,10 +82,11 @@ struct MapPoint {
     float depth = 0.0f;  // window depth, constant bias subtracted
     vec2 gradient{0.0f}; // window depth per texel along the receiver's plane; zero unless asked for
 
-    // Depth to compare with at the centre of texel (x, y).
-    float depth_at(int x, int y) const {
-        return depth + (gradient.x * (static_cast<float>(x) + 0.5f - texel.x) +
-                        gradient.y * (static_cast<float>(y) + 0.5f - texel.y));
+    // Depth to compare with at the centre of texel (x, y); `from` replaces the point's own depth.
+    float depth_at(int x, int y) const { return depth_at(x, y, depth); }
+    float depth_at(int x, int y, float from) const {
+        return from + (gradient.x * (static_cast<float>(x) + 0.5f - texel.x) +
+                       gradient.y * (static_cast<float>(y) + 0.5f - texel.y));
     }
 };
 
@@ -102,7 +103,13 @@ struct MapTap {
     int layer, x, y;
     float depth;
 };
-MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth);
+MapTap tap_outside(const LightMap& map, int layer, int x, int y, float depth); // of texels beyond the edge
+inline MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth) {
+    const auto side = static_cast<unsigned>(map.params.size);
+    if (static_cast<unsigned>(x) < side && static_cast<unsigned>(y) < side) [[likely]]
+        return {true, layer, x, y, depth};
+    return tap_outside(map, layer, x, y, depth);
+}
 
 // 1 where depth ≤ the stored depth of texel (x, y), 0 where the texel is nearer; the border's answer outside the map.
 // [Macedo 2018, 0.4]
@@ -111,6 +118,9 @@ inline float shadow_test(const ShadowMap& map, int layer, int x, int y, float de
     if (!tap.inside) return map.params.border == Border::Lit ? 1.0f : 0.0f;
     return tap.depth <= fetch_depth(map.depth, tap.x, tap.y, tap.layer, counters) ? 1.0f : 0.0f;
 }
+
+// Place of tap i of n along one side of a kernel that spans [−1, 1]: the centre of the i-th of n cells.
+inline float kernel_cell(int i, int n) { return (static_cast<float>(2 * i + 1) / static_cast<float>(n)) - 1.0f; }
 
 // Mean of n×n nearest shadow tests at offsets spread evenly over ±reach texels around the point: the centres of n×n
 // cells, v outer and u inner. [Reeves et al. 1987; Macedo 2018, 2.18]

@@ -40,7 +40,13 @@ Entry sm_entry() {
                                             .family = "shadow map",
                                             .kind = TechniqueKind::Hard,
                                             .paper = "Williams 1978; Macedo 2018, 2.1",
-                                            .lights = all_lights},
+                                            .lights = all_lights,
+                                            .section = "Macedo 2018, 2.2 and 3.1.2; Navratil 2015, 2.2",
+                                            .equations = "(3.2)",
+                                            .strengths = "one look-up a receiver; any geometry; no bias of the edge",
+                                            .artifacts = "texels show as stairs at any resolution; acne without bias, "
+                                                         "detached shadows with too much; details thinner than a texel "
+                                                         "are lost"},
                                            shadow_map_fields);
 }
 

@@ -40,6 +40,7 @@ bool check_volumes(const Options& options);
 bool check_infinite_volumes(const Options& options);
 bool check_states(const Options& options);
 bool check_blending(const Options& options);
+bool check_multisampling(const Options& options);
 
 struct Random {
     std::mt19937 engine;

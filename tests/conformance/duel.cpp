@@ -42,14 +42,16 @@ Duel::Duel(const Arena& arena)
       id_program_(clip_vertex_source, id_fragment_source), color_program_(clip_vertex_source, color_fragment_source),
       transform_program_(transform_vertex_source, id_fragment_source) {}
 
-Targets Duel::targets() { return {.depth = &depth_, .stencil = &stencil_, .color = {&color_}}; }
+Targets Duel::targets() {
+    return {.depth = &depth_, .stencil = has_stencil() ? &stencil_ : nullptr, .color = {&color_}};
+}
 
 void Duel::clear(float depth, std::uint32_t stencil, vec4 color) {
     Pass pass(log_, "clear");
     depth_.clear_depth(pass, depth);
     stencil_.clear_uint(pass, stencil);
     framebuffer_.clear_depth(depth);
-    framebuffer_.clear_stencil(stencil);
+    if (has_stencil()) framebuffer_.clear_stencil(stencil);
     if (arena_.color == Format::R32UI) {
         color_.clear_uint(pass, no_id);
         framebuffer_.clear_uint(0, no_id);
@@ -116,7 +118,7 @@ Picture Duel::ours() const {
     for (int y = 0; y < arena_.height; ++y)
         for (int x = 0; x < arena_.width; ++x) {
             p.depth.push_back(depth_.load_key(x, y));
-            p.stencil.push_back(stencil_.load_key(x, y));
+            if (has_stencil()) p.stencil.push_back(stencil_.load_key(x, y));
             if (ids)
                 p.ids.push_back(color_.load_uint(x, y).x);
             else
@@ -128,7 +130,7 @@ Picture Duel::ours() const {
 Picture Duel::witness() const {
     Picture p;
     p.depth = framebuffer_.depth_keys();
-    p.stencil = framebuffer_.stencil();
+    if (has_stencil()) p.stencil = framebuffer_.stencil();
     if (arena_.color == Format::R32UI)
         p.ids = framebuffer_.uints(0);
     else

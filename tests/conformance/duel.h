@@ -26,7 +26,7 @@ struct Batch {
 
 struct Picture {
     std::vector<std::uint32_t> depth;   // keys
-    std::vector<std::uint32_t> stencil; // counts
+    std::vector<std::uint32_t> stencil; // counts; empty without a stencil target
     std::vector<std::uint32_t> ids;     // primitive, or no_id
     std::vector<vec4> color;            // empty without a colour target
 };
@@ -34,7 +34,7 @@ inline constexpr std::uint32_t no_id = 0xffffffffu;
 
 struct Arena {
     int width = 0, height = 0;
-    Format depth = Format::D24;   // with 8 bits of stencil beside
+    Format depth = Format::D24;   // with 8 bits of stencil beside, but for D16, which OpenGL gives none
     Format color = Format::R32UI; // R32UI: primitive ids; others: the triangle's colour
 };
 
@@ -59,6 +59,7 @@ public:
 
 private:
     Targets targets();
+    bool has_stencil() const { return arena_.depth != Format::D16; }
 
     Arena arena_;
     PassLog log_;

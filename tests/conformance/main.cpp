@@ -32,6 +32,7 @@ constexpr Check checks[] = {
     {"infinite-volumes", check_infinite_volumes, "the same with volumes that reach to infinity"},
     {"states", check_states, "depth functions, clamp, polygon offset, scissor, viewport, culling, masks"},
     {"blending", check_blending, "factors and operations on normalised, half and float targets"},
+    {"multisampling", check_multisampling, "4 and 8 samples: the same triangle in every sample, and their mean"},
 };
 
 int usage() {

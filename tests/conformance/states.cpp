@@ -19,7 +19,7 @@ struct Difference {
 void compare(const Duel& duel, Difference& d) {
     const Picture a = duel.ours(), b = duel.witness();
     for (size_t k = 0; k < duel.pixels(); ++k) {
-        d.stencil += a.stencil[k] != b.stencil[k];
+        if (!a.stencil.empty()) d.stencil += a.stencil[k] != b.stencil[k];
         d.ids += a.ids[k] != b.ids[k];
         d.depth += a.depth[k] != b.depth[k];
     }
@@ -63,7 +63,6 @@ Difference scissor_viewport_culling(const Options& options, Random& random) {
 Difference depth_functions(const Options& options, Random& random) {
     Difference d;
     for (const Format format : {Format::D16, Format::D24, Format::D32F}) {
-        if (format == Format::D16) continue; // has no stencil beside it in OpenGL
         Duel duel({.width = side, .height = side, .depth = format});
         for (int i = 0; i < options.repeat(40); ++i) {
             Batch batch = random_batch(1024, {.width = side, .height = side}, random);

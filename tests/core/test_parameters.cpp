@@ -71,6 +71,30 @@ TEST_CASE("parameters as JSON carry values as the user wrote them, defaults incl
     CHECK(rows[3]["min"].is_null());
 }
 
+TEST_CASE("a preset's values stand in for defaults, and keys given beside it win") {
+    constexpr auto table =
+        join(all_fields, fields(preset("far", "size=16,bias=0.5", "as far as it goes", "Paper 2001")));
+    const auto parse = [&](const ParameterText& text) {
+        return parse_parameters<Params>(table, text, "technique 'x'");
+    };
+    CHECK(parse({{"preset", "far"}}).size == 16);
+    CHECK(parse({{"preset", "far"}}).bias == 0.5f);
+    CHECK(parse({{"preset", "far"}, {"bias", "0.25"}}).bias == 0.25f);
+    CHECK(parse({{"preset", "far"}, {"bias", "0.25"}}).size == 16);
+    CHECK(parse({{"preset", "none"}}).size == 1024);
+    CHECK(parse({{"size", "512"}}).bias == 0.1f);
+    CHECK_THROWS_WITH(parse({{"preset", "fra"}}),
+                      "technique 'x': parameter 'preset' is 'fra', but must be one of none, "
+                      "far; did you mean 'far'?");
+
+    std::vector<ParameterInfo> infos;
+    for (const BoundParameter& row : bind<Params>(table)) infos.push_back(row.info);
+    CHECK(parameters_json(infos, {{"preset", "far"}, {"size", "8"}}).dump() ==
+          R"({"bias":0.5,"enabled":true,"mode":"far","preset":"far","size":8})");
+    CHECK(parameter_table_json(infos).back()["choices"] == std::vector<std::string>{"none", "far"});
+    CHECK(parameter_table_text(infos).find("size=16,bias=0.5") != std::string::npos);
+}
+
 TEST_CASE("specifications split into a name and its parameters") {
     const Specification s = parse_specification("pcf:size=512,kernel=7");
     CHECK(s.name == "pcf");

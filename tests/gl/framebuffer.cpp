@@ -52,8 +52,13 @@ GLenum internal_format(Format format, bool stencil) {
     }
 }
 
-GLuint make_texture(GLenum format, int width, int height) {
+GLuint make_texture(GLenum format, int width, int height, int samples) {
     GLuint texture = 0;
+    if (samples > 1) {
+        glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &texture);
+        glTextureStorage2DMultisample(texture, samples, format, width, height, GL_TRUE);
+        return texture;
+    }
     glCreateTextures(GL_TEXTURE_2D, 1, &texture);
     glTextureStorage2D(texture, 1, format, width, height);
     glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -76,13 +81,13 @@ Framebuffer::Framebuffer(const Surface& surface) : surface_(surface) {
     glCreateFramebuffers(1, &framebuffer_);
     if (surface.depth) {
         const bool stencil = surface.stencil && *surface.depth != Format::D16;
-        depth_ = make_texture(internal_format(*surface.depth, stencil), surface.width, surface.height);
+        depth_ = make_texture(internal_format(*surface.depth, stencil), surface.width, surface.height, surface.samples);
         glNamedFramebufferTexture(framebuffer_, stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, depth_, 0);
     }
     std::vector<GLenum> buffers;
     for (const Format format : surface.color) {
         const auto attachment = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + buffers.size());
-        color_.push_back(make_texture(internal_format(format, false), surface.width, surface.height));
+        color_.push_back(make_texture(internal_format(format, false), surface.width, surface.height, surface.samples));
         glNamedFramebufferTexture(framebuffer_, attachment, color_.back(), 0);
         buffers.push_back(attachment);
     }
@@ -171,6 +176,15 @@ std::vector<gnomon::vec4> Framebuffer::colors(int index) const {
     glClampColor(GL_CLAMP_READ_COLOR, GL_FALSE);
     glReadPixels(0, 0, surface_.width, surface_.height, GL_RGBA, GL_FLOAT, values.data());
     return values;
+}
+
+void Framebuffer::resolve_color(int index, const Framebuffer& single) const {
+    const auto attachment = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + index);
+    glNamedFramebufferReadBuffer(framebuffer_, attachment);
+    glNamedFramebufferDrawBuffer(single.framebuffer_, attachment);
+    open_masks();
+    glBlitNamedFramebuffer(framebuffer_, single.framebuffer_, 0, 0, surface_.width, surface_.height, 0, 0,
+                           surface_.width, surface_.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 void Framebuffer::upload_depth(std::span<const float> values) const {

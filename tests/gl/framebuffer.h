@@ -16,6 +16,7 @@ struct Surface {
     std::optional<gnomon::Format> depth = gnomon::Format::D24; // D16, D24 or D32F
     bool stencil = true;                                       // with D24 and D32F only
     std::vector<gnomon::Format> color = {};
+    int samples = 1; // above 1 nothing can be read back or uploaded but through programs and resolve_color()
 };
 
 class Framebuffer {
@@ -38,6 +39,9 @@ public:
     std::vector<std::uint32_t> stencil() const;
     std::vector<std::uint32_t> uints(int index) const; // first channel
     std::vector<gnomon::vec4> colors(int index) const; // normalised formats as k/(2^bits − 1)
+
+    // A colour target's mean over the samples, into the same of another framebuffer.
+    void resolve_color(int index, const Framebuffer& single) const;
 
     // Fills a target from memory, and lends it to programs as the texture of a unit.
     void upload_depth(std::span<const float> values) const;

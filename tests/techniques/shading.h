@@ -2,6 +2,7 @@
 // Runs techniques the way the command line does, and the comparisons that several tests make.
 
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,13 @@ template <class Value> bool changes_nearby(int x, int y, int width, int height, 
         for (int i = std::max(0, x - reach); i <= std::min(width - 1, x + reach); ++i)
             if (value(i, j) != here) return true;
     return false;
+}
+
+// An inner image that a technique shows; the test fails without it.
+inline const gnomon::Image<float>& debug_image(const gnomon::Visibility& visibility, const std::string& name) {
+    for (const gnomon::NamedImage& image : visibility.debug)
+        if (image.name == name) return image.values;
+    throw std::runtime_error("no inner image " + name);
 }
 
 inline gnomon::Light point_light(gnomon::vec3 position) {

@@ -80,6 +80,7 @@ TEST_CASE("the registry's ids are unique and its tables complete") {
             INFO(parameter.name);
             CHECK_FALSE(parameter.help.empty());
             CHECK_NOTHROW(entry.make({{parameter.name, parameter.default_text}}));
+            if (!parameter.preset.empty()) CHECK_NOTHROW(entry.make({{parameter.name, parameter.choices.back()}}));
         }
     }
 }

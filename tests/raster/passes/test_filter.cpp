@@ -82,6 +82,13 @@ TEST_CASE("the mean filter keeps constants and equals the box on one surface") {
                 for (int i = -2; i <= 2; ++i) sum += image.load(x + i, y + j);
             CHECK(glm::length(both.load(x, y) - sum / 25.0f) < 1e-6f);
         }
+    // From the edge of ±2.7 on: −2.7, −1.7, …, 2.3, which are the pixels from −3 to 2.
+    mean_filter(t.pass, image, flat, reach, rows, {.axis = Axis::Rows, .from_edge = true});
+    for (int x = 3; x < width - 2; ++x) {
+        vec4 sum(0.0f);
+        for (int i = -3; i <= 2; ++i) sum += image.load(x + i, 4);
+        CHECK(glm::length(rows.load(x, 4) - sum / 6.0f) < 1e-6f);
+    }
     Target same(Format::R32F, width, height);
     const Target third = constant(width, height, 0.375f);
     mean_filter(t.pass, third, flat, constant(width, height, 1e30f), same, {});
