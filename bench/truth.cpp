@@ -56,7 +56,7 @@ public:
     BareLoop& operator=(const BareLoop&) = delete;
 
     // Mean visibility, for the same samples and origins as ours.
-    double run(const Scene& scene, const Receivers& receivers, const Light& light) const {
+    double run(const EmbreeScene& rays, const Receivers& receivers, const Light& light) const {
         const PreparedPattern pattern = prepare_pattern(Pattern::Sobol, samples, SampleOrder::Packed);
         std::atomic<long> seen{0};
         const auto rows = [&](size_t begin, size_t) {
@@ -71,7 +71,7 @@ public:
                 }
                 fill_pattern(pattern, static_cast<std::uint32_t>(y * receivers.width() + column), 0, u, v);
                 light_points(light, receiver.position, u, v, x, y_of, z);
-                const vec3 origin = shadow_origin(scene, receiver).position;
+                const vec3 origin = rays.shadow_origin(receiver).position;
                 for (size_t first = 0; first < samples; first += 16)
                     seen_here += packet(receiver, origin, &x[first], &y_of[first], &z[first]);
             }
@@ -139,7 +139,8 @@ void bench_scene(Bench& bench, const Scene& scene, ivec2 size) {
     if (bench.wanted(rays_name)) {
         const BareLoop bare(scene);
         double their_mean = 0;
-        bench.run(rays_name, trace, "bare rtcOccluded16", [&] { their_mean = bare.run(scene, receivers, light); });
+        bench.run(rays_name, trace, "bare rtcOccluded16",
+                  [&] { their_mean = bare.run(frame.rays(), receivers, light); });
         bench.agree(rays_name, mean(alone), their_mean, 1e-3);
     }
     if (bench.wanted(proofs_name)) {

@@ -30,6 +30,17 @@ void add_parameters(CLI::App& command, TruthOptions& options) {
     }
 }
 
+// The exact method is one go over the whole image.
+void check_exact(const LongRunOptions& long_run) {
+    for (const auto& [given, option] :
+         {std::pair(long_run.resume, "--resume"), std::pair(long_run.keep_state, "--keep-state"),
+          std::pair(!long_run.tiles.empty(), "--tiles")})
+        if (given)
+            throw UsageError(fmt::format(
+                "{} does not go with --method exact, which neither keeps a state nor makes shares of an image",
+                option));
+}
+
 void run(TruthOptions& options) {
     if (!options.merge.empty()) {
         if (extension(options.output) != ".exr")
@@ -46,8 +57,10 @@ void run(TruthOptions& options) {
     if (long_run.share.parts > 1 && (can_hold_several(options.output) || extension(options.output) != ".exr"))
         throw UsageError(
             fmt::format("--output is '{}', but a share of an image is written as one .exr", options.output));
+    const bool exact = options.parameters["method"] == "exact";
+    if (exact) check_exact(options.long_run);
     RenderRequest request = read_render_options(options);
-    request.long_run = long_run;
+    if (!exact) request.long_run = long_run;
     run_render(request);
 }
 

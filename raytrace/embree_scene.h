@@ -1,7 +1,8 @@
 #pragma once
 // The scene as Embree sees it: one triangle mesh of the very same float32 vertices that the rasterizer draws, robust
-// traversal, high build quality. Answers whether a receiver sees a point, and what a camera ray meets first. Triangles
-// of objects that are light sources are seen by camera rays and never cast shadows.
+// traversal, high build quality; far from the origin they are moved there, exactly. Answers whether a receiver sees a
+// point, and what a camera ray meets first. Triangles of objects that are light sources are seen by camera rays and
+// never cast shadows.
 
 #include <array>
 #include <cstddef>
@@ -11,16 +12,9 @@
 
 #include "core/receiver.h"
 #include "core/scene.h"
+#include "raytrace/shadow_origin.h"
 
 namespace gnomon {
-
-// Where a receiver's shadow rays start.
-struct ShadowOrigin {
-    vec3 position;
-    float rounding; // metres that separate "touching" from "in front of" here
-};
-
-ShadowOrigin shadow_origin(const Scene& scene, const Receiver& receiver);
 
 class EmbreeScene {
 public:
@@ -44,6 +38,10 @@ public:
     // The same for a direction with no end (directional lights).
     bool visible_direction(const Receiver& receiver, vec3 unit_direction) const;
 
+    // What follows speaks of local coordinates: those of the world minus this, see local_shift. Receivers are local,
+    // too.
+    vec3 shift() const;
+
     // The same for any number of targets, given as three arrays of coordinates: target k is bit k % 16 of seen[k / 16].
     // Sixteen neighbours in the arrays share a packet, so targets that lie close together cost less.
     struct SeenCount {
@@ -53,8 +51,10 @@ public:
     SeenCount seen_samples(const Receiver& receiver, std::span<const float> x, std::span<const float> y,
                            std::span<const float> z, std::span<std::uint16_t> seen) const;
 
+    bool seen_direction(const Receiver& receiver, vec3 unit_direction) const;
+
     ShadowOrigin shadow_origin(const Receiver& receiver) const;
-    std::array<vec3, 3> corners(std::uint32_t triangle) const; // of the scene
+    std::array<vec3, 3> corners(std::uint32_t triangle) const;
 
     // Bytes that Embree holds.
     std::size_t memory_bytes() const;

@@ -96,7 +96,7 @@ double area_of(const ClipperLib::Paths& paths) {
 // The view of one piece of a light from one receiver.
 class View {
 public:
-    View(const Piece& piece, const Receiver& receiver, const ShadowOrigin& origin, const std::array<dvec3, 3>& own)
+    View(const Piece& piece, const Receiver& receiver, const ShadowOrigin& origin, const std::array<vec3, 3>& own)
         : piece_(piece), own_(own) {
         origin_ = dvec3(origin.position);
         const LightFrame& frame = piece.frame;
@@ -131,9 +131,10 @@ public:
 
     void add_triangle(const std::array<vec3, 3>& corners) {
         // As for rays: what starts in the plane of a triangle, in a crease of a surface, leaves it behind.
-        const HitTriangle hit = hit_triangle(corners, own_);
+        const HitTriangle hit = hit_triangle(corners);
+        const RelativeSides own = sides_of(hit, own_);
         const double side = glm::dot(hit.normal, origin_ - hit.corner);
-        if ((hit.own_in_front && side < 0) || (hit.own_behind && side > 0)) return;
+        if ((own.in_front && side < 0) || (own.behind && side > 0)) return;
         polygon_.clear();
         for (size_t k = 0; k < 3; ++k) polygon_.push_back(to_light_ * (dvec3(corners[k]) - origin_));
         for (const Cut& cut : cuts_) {
@@ -166,7 +167,7 @@ private:
     static double largest(dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
     const Piece& piece_;
-    std::array<dvec3, 3> own_; // corners of the receiver's triangle
+    std::array<vec3, 3> own_; // corners of the receiver's triangle
     dvec3 origin_;
     glm::dmat3 to_light_;
     std::vector<Cut> cuts_;
@@ -176,15 +177,17 @@ private:
     Polygon polygon_, scratch_;
 };
 
+// All but the scene in the clusters' local coordinates.
 double visible_fraction(const Scene& scene, const TriangleClusters& clusters, const Receiver& receiver,
                         const Piece& piece) {
-    const ShadowOrigin origin = shadow_origin(scene, receiver);
     const auto corners_of = [&](std::uint32_t triangle) {
         const uvec3 t = scene.triangles[triangle];
-        return std::array{scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
+        return std::array{scene.positions[t.x] - clusters.shift, scene.positions[t.y] - clusters.shift,
+                          scene.positions[t.z] - clusters.shift};
     };
     const auto own = corners_of(receiver.triangle);
-    View view(piece, receiver, origin, {dvec3(own[0]), dvec3(own[1]), dvec3(own[2])});
+    const ShadowOrigin origin = shadow_origin(receiver, own, clusters.shift);
+    View view(piece, receiver, origin, own);
     if (view.below_horizon()) return 0.0;
     const dvec3 spread = glm::abs(piece.frame.a) + glm::abs(piece.frame.b);
     const Bounds around{vec3(piece.frame.center - spread), vec3(piece.frame.center + spread)};
@@ -203,8 +206,9 @@ double visible_fraction(const Scene& scene, const TriangleClusters& clusters, co
 double exact_visibility(const Scene& scene, const TriangleClusters& clusters, const Receiver& receiver,
                         const Light& light) {
     double seen = 0, all = 0;
-    for (const Piece& piece : pieces_of(light, receiver.position)) {
-        seen += piece.area * visible_fraction(scene, clusters, receiver, piece);
+    const Receiver local = to_local(receiver, clusters.shift);
+    for (const Piece& piece : pieces_of(to_local(light, clusters.shift), local.position)) {
+        seen += piece.area * visible_fraction(scene, clusters, local, piece);
         all += piece.area;
     }
     return all > 0 ? seen / all : 1.0;

@@ -3,6 +3,7 @@
 // about many rays can foresee them.
 
 #include <array>
+#include <cmath>
 
 #include "core/math.h"
 
@@ -21,18 +22,27 @@ inline constexpr float relative_step = 0x1p-19f;
 inline float larger(float a, float b) { return a > b ? a : b; }
 inline float largest_component(vec3 v) { return larger(larger(std::abs(v.x), std::abs(v.y)), std::abs(v.z)); }
 
-// What the rules need to know of a triangle that was hit, and of the receiver's own triangle.
+// What the rules need to know of a triangle that was hit.
 struct HitTriangle {
     vec3 center, half; // of its box
     float magnitude;   // its largest coordinate
     dvec3 corner, normal;
-    double normal_length;
-    bool own_in_front, own_behind; // no corner of the receiver's triangle is behind its plane, or none in front
 };
-HitTriangle hit_triangle(const std::array<vec3, 3>& corners, const std::array<dvec3, 3>& own_corners);
+HitTriangle hit_triangle(const std::array<vec3, 3>& corners);
 
-// Of a ray from start, which ends at start + way or, where it has no end, goes that way.
-bool is_false_hit(const HitTriangle& hit, vec3 start, vec3 way, bool ends);
+// Whether the segment from `start` along `way` meets the box grown by box_growth.
+bool meets_box(const HitTriangle& hit, vec3 start, vec3 way);
+
+// Where the receiver's own triangle lies, seen from another one's plane: no corner is behind it, or none in front.
+struct RelativeSides {
+    bool in_front, behind;
+};
+RelativeSides sides_of(const HitTriangle& hit, const std::array<vec3, 3>& own_corners);
+
+// Whether the triangle cannot lie between the receiver's own one and the end of a ray, because both are on one side of
+// its plane: then the ray starts in that plane but for rounding, in a crease of a surface, and leaves it. A ray's end
+// within the rounding of its coordinates from the plane counts as on it. Without `ends` the ray goes on along `way`.
+bool is_left_behind(const HitTriangle& hit, const RelativeSides& own, vec3 start, vec3 way, bool ends);
 
 // With d the ray's direction and n the normal that Embree reports, a hit with |n·d| above this times the largest
 // component of d lies in the triangle's grown box for sure. Infinite for triangles so small beside `magnitude`, the

@@ -9,7 +9,7 @@ namespace {
 // the other numbers are multiples of its time, as measured. A block is given up at the first of its receivers that
 // exceeds its effort.
 constexpr std::size_t cluster_effort = 16, boxes_per_effort = 2, effort_per_ray = 8;
-constexpr std::size_t clusters_of_block_per_sample = 2;
+constexpr std::size_t clusters_of_block_per_sample = 1;
 
 // Above so many points for each triangle of a cluster they are shaded triangle by triangle.
 constexpr std::size_t points_per_triangle = 4;
@@ -36,7 +36,7 @@ void find_facing(const Receiver& receiver, const Pyramid& pyramid, const SampleP
 }
 
 void aim(const Pyramid& pyramid, const SamplePoints& points, std::size_t first, std::size_t count, PointBlock& block) {
-    const OccluderKernels& kernels = occluder_kernels();
+    const PointKernels& kernels = point_kernels();
     const std::size_t packets = seen_words(count);
     if (count % 16 == 0)
         return kernels.aim(pyramid, &points.x[first], &points.y[first], &points.z[first], packets, block);
@@ -104,7 +104,7 @@ Occlusion::Proof Occlusion::prove(const Receiver& receiver) {
 }
 
 void Occlusion::shade(const TouchedBox& box, PointBlock& block) {
-    const OccluderKernels& kernels = occluder_kernels();
+    const PointKernels& kernels = point_kernels();
     ReachedPoints reached;
     const std::size_t count = kernels.reach(box, block, reached);
     if (count == 0) return;
@@ -144,7 +144,7 @@ EmbreeScene::SeenCount Occlusion::seen_by_occluders(const Receiver& receiver, co
 
 EmbreeScene::SeenCount Occlusion::seen(const Receiver& receiver, const SamplePoints& points, SeenBits seen) {
     if (light_.type == LightType::Directional) {
-        const bool lit = scene_.visible_direction(receiver, -light_.direction);
+        const bool lit = scene_.seen_direction(receiver, -light_.direction);
         seen[0] = lit;
         return {lit ? std::size_t{1} : std::size_t{0}, 1};
     }

@@ -11,6 +11,7 @@
 #include "core/light.h"
 #include "core/receiver.h"
 #include "raytrace/embree_scene.h"
+#include "raytrace/point_block.h"
 #include "raytrace/shaft.h"
 
 namespace gnomon {
@@ -27,7 +28,8 @@ using SeenBits = std::span<std::uint16_t>;
 constexpr std::size_t seen_words(std::size_t samples) { return (samples + 15) / 16; }
 
 // What lies between one light and a block of receivers that are near each other (a tile of the image). Used by one
-// thread; whatever holds for the whole block is worked out once, in the constructor.
+// thread; whatever holds for the whole block is worked out once, in the constructor. Receivers, light and points are in
+// the local coordinates of the EmbreeScene.
 class Occlusion {
 public:
     // Without `clusters`, which are those of the scene, every question is answered by rays. `samples` is the number of

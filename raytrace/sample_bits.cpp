@@ -55,10 +55,12 @@ void SampleBits::append(std::span<const std::uint32_t> index, std::span<const st
     const std::uint32_t samples = samples_ + count, seen_then = seen_ + seen_now;
     if (seen_then != 0 && seen_then != samples) {
         expand(samples);
-        for (std::uint32_t k = 0; k < count; ++k) {
-            assert(index[k] >= samples_ && index[k] < samples);
-            if (seen[k / 16] >> k % 16 & 1) words_[index[k] / 64] |= std::uint64_t{1} << index[k] % 64;
-        }
+        for (size_t w = 0; w < seen_words(count); ++w)
+            for (unsigned rest = seen[w]; rest; rest &= rest - 1) {
+                const std::uint32_t i = index[16 * w + static_cast<size_t>(std::countr_zero(rest))];
+                assert(i >= samples_ && i < samples);
+                words_[i / 64] |= std::uint64_t{1} << i % 64;
+            }
     }
     samples_ = samples;
     seen_ = seen_then;

@@ -4,13 +4,9 @@
 #include <memory>
 #include <type_traits>
 
-#if __has_include(<embree3/rtcore.h>)
-#include <embree3/rtcore.h>
-#else
-#include <embree4/rtcore.h>
-#endif
-
 #include "core/error.h"
+#include "raytrace/embree_api.h"
+#include "raytrace/shadow_origin.h"
 
 namespace gnomon {
 namespace {
@@ -50,13 +46,13 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
     return node;
 }
 
-std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, Bounds& all) {
+std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, vec3 shift, Bounds& all) {
     std::vector<RTCBuildPrimitive> primitives;
     primitives.reserve(scene.triangles.size());
     for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) {
         if (scene.objects[scene.triangle_objects[t]].light_source) continue;
         Bounds box;
-        for (int k = 0; k < 3; ++k) box.extend(scene.positions[scene.triangles[t][k]]);
+        for (int k = 0; k < 3; ++k) box.extend(scene.positions[scene.triangles[t][k]] - shift);
         const vec3 a = box.minimum, b = box.maximum;
         primitives.push_back({a.x, a.y, a.z, 0, b.x, b.y, b.z, t});
         all.extend(a), all.extend(b);
@@ -64,7 +60,7 @@ std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, Bounds& all) {
     return primitives;
 }
 
-TriangleCluster cluster_of(const Scene& scene, const BuildNode& leaf) {
+TriangleCluster cluster_of(const Scene& scene, vec3 shift, const BuildNode& leaf) {
     TriangleCluster cluster;
     cluster.count = leaf.count;
     for (std::uint32_t i = 0; i < cluster_size; ++i) {
@@ -72,7 +68,7 @@ TriangleCluster cluster_of(const Scene& scene, const BuildNode& leaf) {
         cluster.triangle[i] = t;
         for (int k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis)
-                cluster.corner[k][axis][i] = scene.positions[scene.triangles[t][k]][axis];
+                cluster.corner[k][axis][i] = scene.positions[scene.triangles[t][k]][axis] - shift[axis];
     }
     return cluster;
 }
@@ -82,7 +78,7 @@ void flatten(const Scene& scene, const BuildNode& from, size_t place, TriangleCl
     if (from.count > 0) {
         to.nodes[place].first = static_cast<std::uint32_t>(to.clusters.size());
         to.nodes[place].leaf = true;
-        to.clusters.push_back(cluster_of(scene, from));
+        to.clusters.push_back(cluster_of(scene, to.shift, from));
         return;
     }
     const size_t first = to.nodes.size();
@@ -95,8 +91,9 @@ void flatten(const Scene& scene, const BuildNode& from, size_t place, TriangleCl
 
 TriangleClusters build_clusters(const Scene& scene) {
     TriangleClusters built;
+    built.shift = local_shift(scene.positions);
     Bounds all;
-    std::vector<RTCBuildPrimitive> primitives = primitives_of(scene, all);
+    std::vector<RTCBuildPrimitive> primitives = primitives_of(scene, built.shift, all);
     if (primitives.empty()) return built;
     const std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)> device(rtcNewDevice(nullptr),
                                                                                                 rtcReleaseDevice);

@@ -19,6 +19,7 @@ struct alignas(64) TriangleCluster {
 };
 
 struct TriangleClusters {
+    vec3 shift{0.0f}; // all is in local coordinates: those of the world minus this, see local_shift
     struct Node {
         Bounds box; // of the triangles below, exactly
         // A leaf is one cluster: number `first`. Otherwise the children are nodes `first` and `first` + 1.

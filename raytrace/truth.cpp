@@ -76,12 +76,14 @@ struct Job {
     const EmbreeScene& scene;
     const Receivers& receivers;
     const Light& light;
+    const Light local_light; // in the scene's local coordinates, as all that is traced
     const TruthSettings settings;
     const TruthRun& run;
     const Stages stages;
     TruthAnswer answer;
     std::atomic<std::int64_t> rays{0}; // a sum of integers: the same in any order
 
+    Receiver local(int x, int y) const { return to_local(receivers(x, y), scene.shift()); }
     void tile(size_t index);
     std::int64_t settle(Scratch& scratch, Occlusion& occlusion, int x, int y, SampleBits& bits);
     std::int64_t trace(Scratch& scratch, Occlusion& occlusion, const Receiver& receiver, std::uint32_t pixel,
@@ -96,7 +98,7 @@ std::int64_t Job::trace(Scratch& scratch, Occlusion& occlusion, const Receiver& 
     // Where all points are alike it does not matter which they are.
     if (occlusion.prove(receiver) == Occlusion::Proof::None) {
         fill_pattern(samples, pixel, settings.seed, scratch.u, scratch.v);
-        light_points(light, receiver.position, scratch.u, scratch.v, scratch.x, scratch.y, scratch.z);
+        light_points(local_light, receiver.position, scratch.u, scratch.v, scratch.x, scratch.y, scratch.z);
     }
     const std::int64_t traced = occlusion.seen(receiver, {scratch.x, scratch.y, scratch.z}, scratch.seen).rays;
     bits.append(samples.index, scratch.seen);
@@ -114,7 +116,7 @@ vec3 Job::radiance(Scratch& scratch, const Surface& surface, std::uint32_t pixel
 // One pixel, from whatever samples it has to its answer; returns the rays traced. The answer is a function of the first
 // samples of the sequence alone, so it is the same whether they were traced now or earlier.
 std::int64_t Job::settle(Scratch& scratch, Occlusion& occlusion, int x, int y, SampleBits& bits) {
-    const Receiver& receiver = receivers(x, y);
+    const Receiver receiver = local(x, y);
     const auto pixel = static_cast<std::uint32_t>(y * receivers.width() + x);
     std::int64_t traced = 0;
     for (size_t stage = 0; stage < stages.counts.size(); ++stage) {
@@ -147,9 +149,8 @@ public:
             const int left = left_ + column * block_side, bottom = bottom_ + row * block_side;
             std::vector<Receiver> receivers;
             for (int j = bottom; j < std::min(bottom + block_side, top_); ++j)
-                for (int i = left; i < std::min(left + block_side, right_); ++i)
-                    receivers.push_back(job_.receivers(i, j));
-            block.emplace(job_.scene, job_.light, receivers, static_cast<size_t>(job_.settings.samples),
+                for (int i = left; i < std::min(left + block_side, right_); ++i) receivers.push_back(job_.local(i, j));
+            block.emplace(job_.scene, job_.local_light, receivers, static_cast<size_t>(job_.settings.samples),
                           job_.run.clusters);
         }
         return *block;
@@ -208,7 +209,7 @@ TruthAnswer area_truth(const EmbreeScene& scene, const Receivers& receivers, con
     check(settings);
     TruthSettings own = settings;
     if (!is_area(light)) own.samples = 1, own.target_error = 0;
-    Job job{scene, receivers, light, own, run, prepare_stages(own), {}};
+    Job job{scene, receivers, light, to_local(light, scene.shift()), own, run, prepare_stages(own), {}};
     const int width = receivers.width(), height = receivers.height();
     job.answer.visibility = Image<float>(width, height, 1.0f);
     job.answer.error = Image<float>(width, height, 0.0f);

@@ -41,7 +41,13 @@ vec3 to_viewer(const Camera& camera, vec3 position) {
 
 class Truth : public Technique {
 public:
-    explicit Truth(TruthParams params) : params_(params) {}
+    explicit Truth(TruthParams params) : params_(params) {
+        if (params.method != Method::Exact) return;
+        if (params.radiance != RadianceMode::Off)
+            throw UsageError("truth: method exact gives visibility, not radiance: leave radiance off");
+        if (params.target_error > 0)
+            throw UsageError("truth: method exact has no samples to stop at: leave target-error out");
+    }
 
     Visibility shade(Frame& frame, const Light& light) override {
         if (params_.method == Method::Exact && is_area(light)) return exact(frame, light);
@@ -59,9 +65,7 @@ public:
     }
 
 private:
-    Visibility exact(Frame& frame, const Light& light) const {
-        if (params_.radiance != RadianceMode::Off)
-            throw UsageError("truth: method exact gives visibility, not radiance: leave radiance off");
+    static Visibility exact(Frame& frame, const Light& light) {
         const TriangleClusters& clusters = frame.clusters();
         const Pass pass = frame.pass("exact visibility");
         return {exact_visibility(frame.scene(), clusters, frame.receivers(), light, frame.progress), {}, {}};

@@ -195,3 +195,18 @@ TEST_CASE("Images that cannot be compared are refused", "[cli]") {
             {{"compare", a}, usage, "reference"},
         });
 }
+
+TEST_CASE("the exact method refuses what it does not have", "[cli][truth]") {
+    const std::string folder = temporary_folder(), out = folder + "/out.exr";
+    for (const std::vector<std::string>& more : {std::vector<std::string>{"--resume"},
+                                                 {"--keep-state"},
+                                                 {"--tiles", "1/2"},
+                                                 {"--target-error", "0.1"},
+                                                 {"--radiance", "lambert"}}) {
+        std::vector<std::string> arguments = {"truth",    "builtin:fence", "--size", "16x9",
+                                              "--method", "exact",         "-o",     out};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        check_failure(arguments, usage, "method exact");
+    }
+    CHECK(files_in(folder).empty());
+}

@@ -248,3 +248,61 @@ TEST_CASE("exact and sampled visibility agree on builtin scenes", "[raytrace][ex
         CHECK(std::abs(sum / double(sampled.size())) < 2e-5);
     }
 }
+
+namespace {
+
+// Differences between 65536 samples and the exact answer, in error bars, on up to `most` pixels of the penumbra.
+std::vector<double> differences_in_bars(const std::string& name, ivec2 size, size_t most) {
+    const Scene scene = load_scene("builtin:" + name);
+    const Light& light = scene.lights.front();
+    Frame frame(scene, scene.cameras.front(), size.x, size.y);
+    const Image<float> all = exact_visibility(scene, build_clusters(scene), frame.receivers(), light, nullptr);
+    std::vector<size_t> penumbra;
+    for (size_t i = 0; i < all.size(); ++i)
+        if (all.values()[i] > 0.0f && all.values()[i] < 1.0f) penumbra.push_back(i);
+    const size_t count = std::min(most, penumbra.size());
+    Receivers chosen(static_cast<int>(count), 1);
+    std::vector<double> expected;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t pixel = penumbra[i * penumbra.size() / count];
+        chosen.values()[i] = frame.receivers().values()[pixel];
+        expected.push_back(double(all.values()[pixel]));
+    }
+    TruthSettings settings;
+    settings.samples = 65536;
+    const EmbreeScene rays(scene);
+    const TruthAnswer answer = area_truth(rays, chosen, light, settings);
+    std::vector<double> differences;
+    for (size_t i = 0; i < count; ++i)
+        differences.push_back((double(answer.visibility.values()[i]) - expected[i]) / double(answer.error.values()[i]));
+    return differences;
+}
+
+// The bar is a standard error, and on the safe side (docs/truth.md): if it were one exactly, of a normal distribution,
+// five of them would be exceeded once in 1.7 million pixels, and the root mean square would be 1.
+void check_within_bars(const std::string& name, ivec2 size, size_t most) {
+    const std::vector<double> differences = differences_in_bars(name, size, most);
+    double largest = 0, sum = 0, squares = 0;
+    for (const double difference : differences) {
+        largest = std::max(largest, std::abs(difference));
+        sum += difference, squares += difference * difference;
+    }
+    const auto count = double(differences.size());
+    INFO(name << ": " << count << " pixels, root mean square " << std::sqrt(squares / count) << ", largest " << largest
+              << ", mean " << sum / count << " error bars");
+    CHECK(differences.size() >= 50);
+    CHECK(largest < 5.0);
+    CHECK(std::sqrt(squares / count) < 1.0);
+    CHECK(std::abs(sum / count) < 5.0 / std::sqrt(count));
+}
+
+} // namespace
+
+TEST_CASE("exact and 65536 samples agree within the error bar", "[raytrace][exact]") {
+    for (const char* name : {"cornell", "fence", "stacked-plates", "staircase"}) check_within_bars(name, {96, 54}, 100);
+}
+
+TEST_CASE("exact and 65536 samples agree within the error bar on whole penumbras", "[.long]") {
+    for (const char* name : {"cornell", "fence", "stacked-plates", "staircase"})
+        check_within_bars(name, {320, 180}, 100'000);
+}

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/random.h"
+#include "raytrace/exact.h"
 #include "raytrace/truth.h"
 #include "tests/raytrace/shapes.h"
 
@@ -165,5 +166,49 @@ TEST_CASE("a half plane hides the same fraction at every scale", "[raytrace][tru
             INFO("scale " << placement.scale << ", shift " << placement.shift.x << ", x " << x << ", mean " << mean);
             CHECK(std::abs(mean - 0.5 * (1 + double(x))) <= 5 * error + systematic);
         }
+    }
+}
+
+// 10⁵ m away a coordinate is known to 8 mm, and rays start off the surface by no more than that. The plate is nearer to
+// the floor than rays started when they were traced in coordinates of the world: by 0.19 m.
+TEST_CASE("far from the origin a plate just above the floor still casts its shadow", "[raytrace][truth]") {
+    for (const vec3 shift : {vec3(0.0f), vec3(1e5f), vec3(1e5f, 0, -1e5f), vec3(-1e5f, 1e5f, 0)}) {
+        Scene scene;
+        add_floor(scene, -8, 8, -8, 8, 0);
+        add_floor(scene, -4, 0, -4, 4, 0.0625f);
+        place(scene, {1, shift});
+        const EmbreeScene rays(scene);
+        const Light light = placed_light(LightType::Rectangle, {-2, 4, 0}, {0.25f, 0.25f}, {1, shift});
+        Receivers receivers(2, 1);
+        receivers(0, 0) = {shift + vec3(-2, 0, 1), {0, 1, 0}, 0};
+        receivers(1, 0) = {shift + vec3(2, 0, 1), {0, 1, 0}, 0};
+        const TriangleClusters clusters = build_clusters(scene);
+        for (const bool proofs : {false, true}) {
+            const Image<float> visibility =
+                area_visibility(rays, receivers, light, Pattern::Sobol, 256, 0, nullptr, proofs ? &clusters : nullptr);
+            CHECK(visibility(0, 0) == 0.0f);
+            CHECK(visibility(1, 0) == 1.0f);
+        }
+        INFO("shift " << shift.x << ", " << shift.y << ", " << shift.z);
+        CHECK(exact_visibility(scene, clusters, receivers(0, 0), light) == 0.0);
+        CHECK(exact_visibility(scene, clusters, receivers(1, 0), light) == 1.0);
+        CHECK(double(rays.shadow_origin(to_local(receivers(0, 0), rays.shift())).rounding) < 1e-4);
+    }
+}
+
+// A receiver that rounding has put below the plane of its triangle starts above it.
+TEST_CASE("far from the origin rays start on the side of the normal", "[raytrace][self-hit]") {
+    const vec3 shift(1e5f, 2e5f, -1e5f);
+    Scene scene;
+    add_polygon(scene, {shift + vec3(-3, 1, -2), shift + vec3(-3.25f, 2, 4), shift + vec3(2, 2.75f, 4),
+                        shift + vec3(2, 1.5f, -2)});
+    const EmbreeScene rays(scene);
+    const vec3 corner = scene.positions[scene.triangles[0].x] - rays.shift();
+    for (std::uint32_t i = 0; i < 1000; ++i) {
+        Receiver receiver = receiver_at(scene, 0, 0.5f * to_unit(hash(i, 1)), 0.5f * to_unit(hash(i, 2)));
+        const ShadowOrigin origin = rays.shadow_origin(to_local(receiver, rays.shift()));
+        const float height = glm::dot(origin.position - corner, receiver.geometric_normal);
+        CHECK(height > 0.5f * origin.rounding);
+        CHECK(height < 1.5f * origin.rounding);
     }
 }
