@@ -1,14 +1,15 @@
 // Convolution shadow map: the shadow test as a Fourier series of depth, whose basis functions are images that are
 // filtered ahead of the look-up. [Annen, Mertens, Bekaert, Seidel, Kautz 2007; Macedo 2018, 2.23]
 //
-// 1. depth: linear depth z.
+// 1. depth: linear depth z, scaled to a range shorter than 1.
 // 2. basis images: cos(c_k z) and sin(c_k z), c_k = π(2k − 1), k = 1 … M, two terms an RGBA image, as ½ + ½ value.
 // 3. pre-filter of every image.
 // 4. look-up at t' = t − offset: V = clamp(scale · (½ + 2 Σ a_k/c_k (cos(c_k t') E[sin c_k z] − sin(c_k t') E[cos c_k
 //    z]))), a_k = e^(−attenuation·(k/M)²) against ringing.
 //
-// The series is ½ where z = t: offset makes it reach 1 there, at the price of light at contacts, and scale lifts what
-// ringing takes from the light.
+// The series is ½ where z = t, where a surface meets itself: scaled by 2, and by 1.05 for what ringing takes from the
+// light, it is lit there. An offset does the same by moving the receiver, but leaks more at contacts, the more so the
+// deeper a scene is against what it holds.
 
 #include "raster/full_screen.h"
 #include "techniques/all.h"
@@ -20,10 +21,11 @@ namespace {
 struct CsmParams : MomentMapParams {
     int terms = 16;
     float attenuation = 1.0f;
-    float offset = 0.04f;
-    float scale = 1.05f;
+    float offset = 0.0f;
+    float scale = 2.1f;
+    float range = 0.94f;
     MomentFormat format = MomentFormat::Unorm8;
-    CsmParams() { plane_bias = 1.0f; }
+    CsmParams() { plane_bias = 0.5f; }
 };
 constexpr auto csm_fields = join(
     moment_map_fields,
@@ -36,6 +38,11 @@ constexpr auto csm_fields = join(
               "Annen et al. 2007, 4"),
         field("scale", &CsmParams::scale, 1, 4, "", "the series times this, before it is clamped",
               "Annen et al. 2007, 4"),
+        field(
+            "range", &CsmParams::range, 0.1, 1, "linear depth",
+            "what depths are scaled to before they enter the series, whose period is 2: at 1 the far plane meets what "
+            "lies at the near plane as it meets itself",
+            "Macedo 2018, 2.23"),
         field("format", &CsmParams::format, "float32|half|unorm16|unorm8", "what an image stores a value in",
               "Macedo 2018, 2.23")));
 
@@ -57,7 +64,7 @@ public:
         visibility.values =
             for_each_moment_point(frame, light, map, [&](const MomentPoint& at, PassCounters& counters) {
                 vec4 means(0.0f);
-                const double value = series.value(static_cast<double>(at.t - params_.offset), [&](int k) {
+                const double value = series.value(scaled(at.t - params_.offset), [&](int k) {
                     const int term = k - 1;
                     if (term % 2 == 0)
                         means = 2.0f * filtered_mean(filtered[static_cast<size_t>(term / 2)], at, counters) - 1.0f;
@@ -81,7 +88,7 @@ private:
             Targets targets{.layer = layer};
             for (Target& image : basis) targets.color.push_back(&image);
             full_screen(pass, targets, [&](Pixel& pixel) {
-                const double z = static_cast<double>(fetch(depth, pixel.x, pixel.y, layer, 0, pixel.counters).x);
+                const double z = scaled(fetch(depth, pixel.x, pixel.y, layer, 0, pixel.counters).x);
                 for (int term = 0; term < params_.terms; ++term) {
                     const vec2 value(FourierSeries::cos_sin(series.frequency(term + 1) * z) * 0.5 + 0.5);
                     vec4& color = pixel.color[static_cast<size_t>(term / 2)];
@@ -92,6 +99,8 @@ private:
         }
         return basis;
     }
+
+    double scaled(float depth) const { return static_cast<double>(depth) * static_cast<double>(params_.range); }
 
     Format format() const {
         switch (params_.format) {
@@ -122,8 +131,9 @@ Entry csm_fourier_entry() {
          .section = "2.4",
          .equations = "V = 1/2 + 2 sum a_k/c_k sin(c_k (z - t))",
          .strengths = "bleeds by no more than its ringing, wherever the layers lie",
-         .artifacts =
-             "ringing, bands of a few per cent; contacts closer than offset are lit; terms/2 images of memory"},
+         .artifacts = "ringing, bands of a few per cent; contacts closer than 1/(2 terms) of the light's depth range "
+                      "bleed; terms/2 "
+                      "images of memory"},
         csm_fields);
 }
 

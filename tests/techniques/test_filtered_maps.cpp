@@ -145,7 +145,7 @@ TEST_CASE("behind two layers every technique bleeds as its formula says") {
             return problem == std::string("hamburger") ? hamburger(m, t) : hausdorff(m, t);
         }) < 2e-3);
     }
-    CHECK(scene.worst("csm-fourier:size=64,format=float32,offset=0,scale=1,attenuation=0", weights, [&](double p) {
+    CHECK(scene.worst("csm-fourier:size=64,format=float32,offset=0,scale=1,range=1,attenuation=0", weights, [&](double p) {
         const FourierSeries series = {16, 0.0f};
         return saturate(series.value(t, [&](int k) {
             return scene.mean(p, [&](double z) { return FourierSeries::cos_sin(series.frequency(k) * z); });
@@ -171,7 +171,7 @@ TEST_CASE("the amounts of bleeding are those that make the artifacts visible") {
     CHECK(most("esm:size=64") < 1e-6f);
     CHECK(most("evsm:size=64") < 1e-3f); // its least deviation alone: (c · 1e-4)²
     CHECK(most("msm:size=64") < 0.01f);
-    CHECK(most("csm-fourier:size=64,attenuation=0,offset=0,scale=1") > 0.01f);
+    CHECK(most("csm-fourier:size=64,attenuation=0,offset=0,scale=1,range=1") > 0.01f);
 }
 
 TEST_CASE("exponential maps leak at contacts by the distance, and overflow where they are told to") {
