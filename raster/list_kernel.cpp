@@ -1,5 +1,5 @@
 // The fast path of the tile rasterizer: lists of triangles through depth, with stencil counts or triangle ids. Small
-// triangles go row by row; others by 8×8 blocks, whose depth bounds decide whole blocks where they can.
+// triangles go patch by patch; others by 8×8 blocks, whose depth bounds decide whole blocks where they can.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raster/list_kernel.cpp" // this file is compiled once for each target
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
