@@ -50,7 +50,9 @@ void run_run(const StudyOptions& options) {
         print(fmt::format("{} cell{}{}: {} there before, {} computed{}; {}{}\n", summary.share,
                           summary.share == 1 ? "" : "s", shard, summary.there, summary.computed,
                           summary.computed == 0 ? ", nothing to do" : "", tables_text(summary, options.folder),
-                          plan.skipped.empty() ? "" : fmt::format("; {} scenes skipped", plan.skipped.size())));
+                          plan.skipped.empty() ? ""
+                                               : fmt::format("; {} scene{} skipped", plan.skipped.size(),
+                                                             plan.skipped.size() == 1 ? "" : "s")));
     report_failures(summary, options.folder);
 }
 

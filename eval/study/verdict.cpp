@@ -71,12 +71,14 @@ GroupKey group_of(const ClaimCheck& check, const StudyRecord& record) {
     return group;
 }
 
-// A row that lacks a key belongs to every group; of a key that `side` chooses for itself, every text does.
+// A row that lacks a key belongs to every group, and every row to the group that lacks it; of a key that `side` chooses
+// for itself, every text does.
 bool belongs(const ClaimCheck& check, const ClaimSide& side, const StudyRecord& record, const GroupKey& group) {
     const StudySelection own_choice = difference(side.where, check.left.where);
     const GroupKey own = group_of(check, record);
     for (size_t i = 0; i < group.size(); ++i)
-        if (!own[i].empty() && own[i] != group[i] && !own_choice.contains(check.per[i])) return false;
+        if (!own[i].empty() && !group[i].empty() && own[i] != group[i] && !own_choice.contains(check.per[i]))
+            return false;
     return true;
 }
 
@@ -179,7 +181,7 @@ CheckResult judge_check(const ClaimCheck& check, const StudyLabels& labels, cons
             if (const GroupKey group = group_of(check, record);
                 std::find(groups.begin(), groups.end(), group) == groups.end())
                 groups.push_back(group);
-    std::string why = groups.empty() ? "no rows, since their scenes were skipped" : "";
+    std::string why = groups.empty() ? "no rows: scenes were skipped or cells are missing" : "";
     for (const GroupKey& key : groups) {
         const SideValue left = measure(check.left, check, key, records);
         const SideValue right = check.right ? measure(*check.right, check, key, records) : SideValue{0.0, 0, false};
@@ -189,8 +191,9 @@ CheckResult judge_check(const ClaimCheck& check, const StudyLabels& labels, cons
         }
         CheckedGroup group;
         for (size_t i = 0; i < key.size(); ++i)
-            group.name +=
-                fmt::format("{}{} {}", i ? ", " : "", key_title(check.per[i]), label_of(labels, check.per[i], key[i]));
+            if (!key[i].empty())
+                group.name += fmt::format("{}{} {}", group.name.empty() ? "" : ", ", key_title(check.per[i]),
+                                          label_of(labels, check.per[i], key[i]));
         group.left = *left.value, group.right = *right.value;
         group.left_rows = left.cells, group.right_rows = right.cells;
         group.bound = (check.right ? check.factor * group.right : 0.0) + check.offset;
