@@ -18,7 +18,8 @@ function pivot_table(part, name) {
     ...row.texts.map(text => element('td', {className: text === 'failed' ? 'amount failed' : 'amount', textContent: text || '–'}))));
   return element('div', {className: 'scroll', tabIndex: 0, role: 'region', 'aria-label': `${name}: ${part.title}`}, element('table', {className: 'pivot'},
     element('caption', {textContent: part.title}),
-    element('thead', {}, element('tr', {}, ...[...part.keys.map(key => key.replace(/^parameters\./, '')), ...part.columns].map(textContent => element('th', {scope: 'col', textContent})))),
+    element('thead', {}, element('tr', {}, ...part.keys.map(key => element('th', {scope: 'col', className: 'label', textContent: key.replace(/^parameters\./, '')})),
+      ...part.columns.map(textContent => element('th', {scope: 'col', textContent})))),
     element('tbody', {}, ...rows)));
 }
 
