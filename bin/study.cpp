@@ -40,10 +40,10 @@ void run_run(const StudyOptions& options) {
     if (options.folder.empty()) throw UsageError("--output is empty; name a folder");
     const StudyProgram program = make_study_program(options.quiet);
     const StudyPlan plan = read_study(options.file, program);
-    if (options.dry_run) return print(list_study(plan, options.folder));
     if (!options.quiet)
         for (const SkippedScene& scene : plan.skipped)
             print_message(fmt::format("the scene '{}' is skipped: {} is not there", scene.name, scene.missing));
+    if (options.dry_run) return print(list_study(plan, options.folder));
     const StudySummary summary = run_study(plan, program, options.folder, run);
     const std::string shard = share.y == 1 ? "" : fmt::format(" of {} in shard {}/{}", summary.cells, share.x, share.y);
     if (!options.quiet)

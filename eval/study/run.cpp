@@ -192,7 +192,11 @@ void write_tables(StudyStore& store, const ordered_json& plan, bool partial, Stu
     store.put_text("results.csv", csv(lines));
     store.put_text("timings.jsonl", json_lines(timings));
     store.put_text("timings.csv", csv(timings));
-    if (plan.contains("claims")) store.put_text("claims.json", claims_document(read_findings(store, plan)));
+    std::error_code ignored;
+    if (plan.contains("claims"))
+        store.put_text("claims.json", claims_document(read_findings(store, plan)));
+    else // of an earlier version of the study
+        std::filesystem::remove(store.folder() + "/claims.json", ignored);
 }
 
 void count_failures(const StudyStore& store, const std::vector<std::string>& hashes, StudySummary& summary) {
