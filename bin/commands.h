@@ -21,5 +21,6 @@ void add_completion_command(CLI::App& program);
 
 // Sub-commands of `gnomon study`.
 void add_study_report_command(CLI::App& study);
+void add_study_tables_command(CLI::App& study);
 
 } // namespace gnomon

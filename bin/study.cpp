@@ -40,13 +40,19 @@ void run_run(const StudyOptions& options) {
     if (options.folder.empty()) throw UsageError("--output is empty; name a folder");
     const StudyProgram program = make_study_program(options.quiet);
     const StudyPlan plan = read_study(options.file, program);
+    if (!options.quiet)
+        for (const SkippedScene& scene : plan.skipped)
+            print_message(fmt::format("the scene '{}' is skipped: {} is not there", scene.name, scene.missing));
     if (options.dry_run) return print(list_study(plan, options.folder));
     const StudySummary summary = run_study(plan, program, options.folder, run);
     const std::string shard = share.y == 1 ? "" : fmt::format(" of {} in shard {}/{}", summary.cells, share.x, share.y);
     if (!options.quiet)
-        print(fmt::format("{} cell{}{}: {} there before, {} computed{}; {}\n", summary.share,
+        print(fmt::format("{} cell{}{}: {} there before, {} computed{}; {}{}\n", summary.share,
                           summary.share == 1 ? "" : "s", shard, summary.there, summary.computed,
-                          summary.computed == 0 ? ", nothing to do" : "", tables_text(summary, options.folder)));
+                          summary.computed == 0 ? ", nothing to do" : "", tables_text(summary, options.folder),
+                          plan.skipped.empty() ? ""
+                                               : fmt::format("; {} scene{} skipped", plan.skipped.size(),
+                                                             plan.skipped.size() == 1 ? "" : "s")));
     report_failures(summary, options.folder);
 }
 
@@ -97,6 +103,7 @@ void add_study_command(CLI::App& program) {
     study->require_subcommand(1);
     add_run(*study, options);
     add_collect(*study, options);
+    add_study_tables_command(*study);
     add_study_report_command(*study);
 }
 

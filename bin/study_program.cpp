@@ -91,19 +91,27 @@ private:
         }
     }
 
+    static void add_pass(StudyImage& answer, const std::string& light, const std::string& name,
+                         const PassCounters& counters) {
+        nlohmann::ordered_json row = {{"light", light}, {"name", name}};
+        answer.pass_seconds.push_back(row);
+        answer.pass_seconds.back()["seconds"] = counters.seconds;
+        row.update(counters_json(counters));
+        answer.passes.push_back(std::move(row));
+    }
+
     StudyImage shade(const TechniqueRequest& technique) {
         StudyImage answer;
         std::vector<LitImage> images;
         PassCounters totals;
         std::int64_t target_bytes = 0;
-        answer.passes = nlohmann::ordered_json::array();
+        answer.passes = answer.pass_seconds = nlohmann::ordered_json::array();
+        for (const PassCounters& pass : frame_->gbuffer_log().passes) add_pass(answer, "", "G-buffer", pass);
         for (size_t light = 0; light < stage_->lights.size(); ++light) {
             Shaded shaded = shade_light(*frame_, *stage_, light, technique, technique.entry->info.id, false);
             for (const PassCounters& pass : shaded.stats.log.passes) {
                 totals.add(pass);
-                nlohmann::ordered_json row = {{"light", shaded.stats.light}, {"name", pass.name}};
-                row.update(counters_json(pass));
-                answer.passes.push_back(std::move(row));
+                add_pass(answer, shaded.stats.light, pass.name, pass);
             }
             target_bytes = std::max(target_bytes, shaded.stats.log.memory->peak());
             answer.seconds += shaded.stats.seconds;
@@ -131,6 +139,9 @@ StudyProgram make_study_program(bool quiet) {
     for (const Entry& entry : techniques())
         program.techniques.push_back({entry.info.id, entry.info.version, entry.parameters,
                                       [&entry](const ParameterText& text) { entry.make(text); }});
+    const nlohmann::ordered_json counted = counters_json({});
+    for (const auto& item : counted.items()) program.counters.push_back(item.key());
+    program.counters.emplace_back("target_bytes");
     program.check_view = [](const StudyView& view) { read_view(view, true); };
     const auto renderer = std::make_shared<CellRenderer>(quiet);
     program.render = [renderer](const StudyView& view, const StudyChoice& choice, const std::string& state) {

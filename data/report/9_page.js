@@ -75,6 +75,7 @@ by_id('theme').addEventListener('click', () => {
 
 fill_words();
 report.blocks.forEach(fill_block);
+fill_findings();
 fill_cells();
 const draw_cards = cards.fill();
 for (const link of document.querySelectorAll('nav a')) link.hidden = !document.querySelector(link.getAttribute('href')) || document.querySelector(link.getAttribute('href')).hidden;

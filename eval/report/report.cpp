@@ -158,6 +158,7 @@ Json report_json(const ReportData& data) {
             {"parameter_units", data.parameter_units},
             {"blocks", data.blocks},
             {"color_maps", {{"signed", blue_white_red()}, {"magnitude", magma()}}},
+            {"findings", data.findings},
             {"metrics", metric_table(data)},
             {"views", std::move(views)},
             {"entries", std::move(entries)}};

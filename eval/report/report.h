@@ -53,6 +53,7 @@ struct ReportData {
     std::vector<std::string> blocks = {""};                 // each gets a table and plots of its own
     std::vector<ReportView> views;
     std::vector<ReportEntry> entries;       // at most one reference a view
+    nlohmann::ordered_json findings;        // of a study: tables and claims as findings_json makes them; null for none
     size_t image_budget = size_t{24} << 20; // bytes of the page that images may take
 };
 

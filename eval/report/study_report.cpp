@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/image_file.h"
 #include "eval/report/study_cells.h"
+#include "eval/study/findings.h"
 
 namespace gnomon {
 namespace {
@@ -243,8 +244,21 @@ void fill_words(StudyPage& page) {
     if (page.unreadable > 0)
         data.notes.push_back(fmt::format("{} images were missing, broken or of another size.", page.unreadable));
     std::error_code ignored;
-    for (const char* name : {"study.json", "results.jsonl", "results.csv", "timings.jsonl"})
+    for (const char* name : {"study.json", "results.jsonl", "results.csv", "timings.jsonl", "claims.json"})
         if (fs::exists(fs::path(page.folder) / name, ignored)) data.links.push_back(page.prefix + name);
+}
+
+// Tables in a paper's arrangement and claims, where the study asks for any; scenes that were not there.
+void fill_findings(StudyPage& page) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(fs::path(page.folder) / study_plan_file, ignored)) return;
+    const StudyStore store(page.folder);
+    const StudyFindings findings = read_findings(store, read_study_plan(store));
+    for (const SkippedScene& scene : findings.skipped)
+        page.data.notes.push_back(
+            fmt::format("The scene '{}' was skipped: {} is not there.", scene.name, scene.missing));
+    if (!findings.questions.tables.empty() || !findings.questions.claims.empty())
+        page.data.findings = findings_json(findings);
 }
 
 } // namespace
@@ -261,6 +275,7 @@ ReportData study_report(const std::string& folder, const std::string& page_path,
     fill_entries(page);
     if (options.image_budget > 0) load_images(page);
     fill_words(page);
+    fill_findings(page);
     return std::move(page.data);
 }
 

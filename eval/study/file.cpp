@@ -10,9 +10,11 @@
 #include "core/atomic_file.h"
 #include "core/builtin/builtin.h"
 #include "core/json_reader.h"
+#include "core/scene_files.h"
 #include "eval/metrics.h"
 #include "eval/study/grid.h"
 #include "eval/study/identity.h"
+#include "eval/study/questions.h"
 
 namespace gnomon {
 namespace {
@@ -72,8 +74,11 @@ public:
         : document_(document), folder_(folder), program_(program) {}
 
     StudyFile read() {
-        document_.only(with({"name", "description", "blocks"}, block_keys));
+        document_.only(with(with({"name", "blocks"}, question_keys()), block_keys));
         StudyFile file;
+        file.questions = nlohmann::json::object();
+        for (const std::string& key : question_keys())
+            if (document_.has(key)) file.questions[key] = document_.at(key).value();
         file.name = document_.has("name") ? document_.at("name").text() : "study";
         if (!document_.has("blocks")) {
             file.blocks.push_back(read_block(document_, file.name));
@@ -137,19 +142,31 @@ private:
 
     NamedScene read_scene(const JsonReader& value) {
         std::string name;
-        if (value.value().is_object()) value.only({"name", "scene"});
+        if (value.value().is_object()) value.only({"name", "scene", "optional"});
         const JsonReader scene = value.value().is_object() ? value.at("scene") : value;
         const std::string text = scene.text();
         if (value.value().is_object() && value.has("name")) name = value.at("name").text();
         if (text.starts_with(builtin_prefix)) {
             check_at(scene, [&] { identify(text); });
-            return {name.empty() ? text : name, text, identify(text)};
+            return {name.empty() ? text : name, text, identify(text), ""};
         }
         const fs::path path = folder_ / text;
+        if (name.empty()) name = path.filename().string();
+        const bool optional = value.has("optional") && value.at("optional").boolean();
         std::error_code ignored;
-        if (!fs::is_regular_file(path, ignored))
+        if (!fs::is_regular_file(path, ignored)) {
+            if (optional) return {name, path.string(), {}, text};
             scene.fail(fmt::format("is '{}', but there is no such file beside the study; check the path", text));
-        return {name.empty() ? path.filename().string() : name, path.string(), identify(path.string())};
+        }
+        return {name, path.string(), identify(path.string()), optional ? missing_file(path.string()) : ""};
+    }
+
+    // The first file that the scene refers to and that is not there, or "".
+    static std::string missing_file(const std::string& path) {
+        std::error_code ignored;
+        for (const SceneFile& file : scene_files(path))
+            if (!fs::is_regular_file(file.path, ignored)) return file.name;
+        return "";
     }
 
     std::vector<NamedOptions> read_options_list(const JsonReader& place, const std::string& key,

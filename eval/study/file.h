@@ -12,6 +12,7 @@ namespace gnomon {
 struct NamedScene {
     std::string name, scene; // scene: a path that is good from here, or builtin:…
     nlohmann::ordered_json identity;
+    std::string missing; // of an optional scene: a file that is not there, else ""
 };
 struct NamedOptions {
     std::string name;
@@ -37,6 +38,7 @@ struct StudyBlock {
 struct StudyFile {
     std::string name;
     std::vector<StudyBlock> blocks;
+    nlohmann::json questions; // the keys of question_keys() that it has
 };
 
 // Throws InputError.

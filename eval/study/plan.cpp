@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "eval/metrics.h"
 #include "eval/study/file.h"
 #include "eval/study/identity.h"
+#include "eval/study/questions.h"
 
 namespace gnomon {
 namespace {
@@ -19,8 +21,12 @@ class Planner {
 public:
     Planner(const StudyProgram& program, StudyPlan& plan) : program_(program), plan_(plan) {}
 
+    // Heads of the rows that scenes would have which are not there.
+    const std::vector<ordered_json>& absent() const { return absent_; }
+
     void add(const StudyBlock& block) {
-        for (const NamedScene& scene : block.scenes)
+        for (const NamedScene& scene : block.scenes) {
+            if (!scene.missing.empty()) note_skipped(scene);
             for (const NamedOptions& camera : block.cameras)
                 for (const NamedOptions& light : block.lights)
                     for (const std::string& size : block.sizes) {
@@ -29,18 +35,35 @@ public:
                                                    {"camera", camera.name},
                                                    {"light", light.name},
                                                    {"size", size}};
-                        add_view(block, {scene.scene, camera.options, light.options, size, block.primary},
-                                 scene.identity, head);
+                        if (scene.missing.empty())
+                            add_view(block, {scene.scene, camera.options, light.options, size, block.primary},
+                                     scene.identity, head);
+                        else
+                            add_absent(block, head);
                     }
+        }
     }
 
 private:
+    void note_skipped(const NamedScene& scene) {
+        if (std::none_of(plan_.skipped.begin(), plan_.skipped.end(),
+                         [&](const SkippedScene& other) { return other.name == scene.name; }))
+            plan_.skipped.push_back({scene.name, scene.missing});
+    }
+
+    void add_absent(const StudyBlock& block, const ordered_json& head) {
+        for (const StudyVariant& truth : block.truths)
+            for (const StudyVariant& technique : block.techniques)
+                absent_.push_back(row_head("", "", head, technique, truth));
+    }
+
     void add_view(const StudyBlock& block, const StudyView& view, const ordered_json& scene, const ordered_json& head) {
         for (const StudyVariant& truth : block.truths) {
             const size_t truth_index = add_truth(view, scene, truth.choice);
             for (const StudyVariant& technique : block.techniques) {
                 const size_t cell = add_cell(block, view, scene, technique.choice, truth_index);
-                plan_.rows.push_back({cell, row_head(plan_.cells[cell], head, technique, truth)});
+                plan_.rows.push_back(
+                    {cell, row_head(plan_.cells[cell].hash, plan_.truths[truth_index].hash, head, technique, truth)});
             }
         }
     }
@@ -63,9 +86,9 @@ private:
         return place->second;
     }
 
-    ordered_json row_head(const PlannedCell& cell, const ordered_json& view, const StudyVariant& technique,
-                          const StudyVariant& truth) const {
-        ordered_json head = {{"cell", cell.hash}};
+    static ordered_json row_head(const std::string& cell, const std::string& truth_hash, const ordered_json& view,
+                                 const StudyVariant& technique, const StudyVariant& truth) {
+        ordered_json head = {{"cell", cell}};
         head.update(view);
         head["technique"] = technique.choice.id;
         head["parameters"] = technique.choice.parameters;
@@ -73,13 +96,14 @@ private:
         for (const auto& item : truth.varied.items()) head["varied"]["reference." + item.key()] = item.value();
         head["reference"] = {{"technique", truth.choice.id},
                              {"parameters", truth.choice.parameters},
-                             {"file", "truths/" + plan_.truths[cell.truth].hash + ".exr"}};
+                             {"file", "truths/" + truth_hash + ".exr"}};
         return head;
     }
 
     const StudyProgram& program_;
     StudyPlan& plan_;
     std::map<std::string, size_t> cells_, truths_;
+    std::vector<ordered_json> absent_;
 };
 
 double rows_of(const StudyBlock& block) {
@@ -88,6 +112,19 @@ double rows_of(const StudyBlock& block) {
                                block.truths.size(), block.techniques.size()})
         rows *= static_cast<double>(count);
     return rows;
+}
+
+// Fails where a table or a claim asks for what no row has, be its scene there or not.
+void check_questions(const StudyFile& file, const std::string& path, const StudyProgram& program, const StudyPlan& plan,
+                     const std::vector<ordered_json>& absent) {
+    StudyVocabulary vocabulary;
+    for (const Metric& metric : metrics()) vocabulary.values.push_back(metric.id);
+    vocabulary.values.insert(vocabulary.values.end(), program.counters.begin(), program.counters.end());
+    for (const char* id : {"pixels", "masked", "missing", "seconds", "peak_bytes"}) vocabulary.values.emplace_back(id);
+    for (const StudyTechnique& technique : program.techniques) vocabulary.techniques.push_back(technique.id);
+    for (const PlannedRow& row : plan.rows) vocabulary.rows.push_back(study_record(row.head, nullptr, nullptr));
+    for (const ordered_json& head : absent) vocabulary.rows.push_back(study_record(head, nullptr, nullptr));
+    read_questions(JsonReader(file.questions, path), &vocabulary);
 }
 
 } // namespace
@@ -103,6 +140,11 @@ StudyPlan read_study(const std::string& path, const StudyProgram& program) {
     plan.name = file.name;
     Planner planner(program, plan);
     for (const StudyBlock& block : file.blocks) planner.add(block);
+    plan.questions = file.questions;
+    check_questions(file, path, program, plan, planner.absent());
+    if (plan.rows.empty())
+        throw InputError(fmt::format("{}: none of its scenes is there; the first that is missing: '{}'", path,
+                                     plan.skipped[0].missing));
     return plan;
 }
 

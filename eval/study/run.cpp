@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "core/json_reader.h"
 #include "core/progress.h"
 #include "eval/compare.h"
+#include "eval/study/findings.h"
 #include "eval/study/store.h"
 #include "eval/study/tables.h"
 
@@ -19,9 +19,6 @@ namespace gnomon {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr const char* plan_file = "study.json";
-constexpr int plan_format = 1;
 
 // What is known of a cell, where it is there and what it should be.
 std::optional<ordered_json> known_result(const StudyStore& store, const PlannedCell& cell) {
@@ -70,7 +67,8 @@ public:
             result = {{"identity", cell.identity}, {"status", "failed"}, {"message", portable(*failure, cell.view)}};
             store_.put_cell(cell.hash, std::move(result), ordered_json::object(), nullptr);
         } else {
-            const ordered_json timing = {{"seconds", made.seconds}, {"peak_bytes", made.peak_bytes}};
+            const ordered_json timing = {
+                {"seconds", made.seconds}, {"peak_bytes", made.peak_bytes}, {"passes", made.pass_seconds}};
             store_.put_cell(cell.hash, std::move(result), timing, &made.image);
         }
         return true;
@@ -165,14 +163,21 @@ void compute_all(const std::vector<const PlannedCell*>& to_do, size_t there, Run
 ordered_json plan_json(const StudyPlan& plan) {
     ordered_json rows = ordered_json::array();
     for (const PlannedRow& row : plan.rows) rows.push_back(row.head);
-    return {{"format", plan_format}, {"study", plan.name}, {"rows", std::move(rows)}};
+    ordered_json skipped = ordered_json::array();
+    for (const SkippedScene& scene : plan.skipped)
+        skipped.push_back({{"scene", scene.name}, {"missing", scene.missing}});
+    ordered_json document = {{"format", study_plan_format}, {"study", plan.name}, {"skipped", std::move(skipped)}};
+    for (const auto& item : plan.questions.items()) document[item.key()] = item.value();
+    document["rows"] = std::move(rows);
+    return document;
 }
 
-// Writes the tables of the rows that have results. Counts the cells, and those that are missing.
-void write_tables(StudyStore& store, const ordered_json& rows, bool partial, StudySummary& summary) {
+// Writes the tables of the rows that have results, and what becomes of claims. Counts the cells, and those that are
+// missing.
+void write_tables(StudyStore& store, const ordered_json& plan, bool partial, StudySummary& summary) {
     std::map<std::string, std::optional<ordered_json>> results;
     std::vector<ordered_json> lines, timings;
-    for (const ordered_json& head : rows) {
+    for (const ordered_json& head : plan["rows"]) {
         const std::string hash = head["cell"];
         const auto [place, added] = results.try_emplace(hash);
         if (added) place->second = store.result(hash);
@@ -187,6 +192,11 @@ void write_tables(StudyStore& store, const ordered_json& rows, bool partial, Stu
     store.put_text("results.csv", csv(lines));
     store.put_text("timings.jsonl", json_lines(timings));
     store.put_text("timings.csv", csv(timings));
+    std::error_code ignored;
+    if (plan.contains("claims"))
+        store.put_text("claims.json", claims_document(read_findings(store, plan)));
+    else // of an earlier version of the study
+        std::filesystem::remove(store.folder() + "/claims.json", ignored);
 }
 
 void count_failures(const StudyStore& store, const std::vector<std::string>& hashes, StudySummary& summary) {
@@ -195,19 +205,6 @@ void count_failures(const StudyStore& store, const std::vector<std::string>& has
         if (!result || !failed(*result)) continue;
         if (summary.failed++ == 0) summary.first_failure = (*result)["message"];
     }
-}
-
-// The rows of study.json.
-ordered_json read_plan(const StudyStore& store) {
-    const std::string file = store.folder() + "/" + plan_file;
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored))
-        throw InputError(fmt::format("'{}' holds no study: gnomon study run makes one", store.folder()));
-    const nlohmann::json parsed = parse_json(store.text(plan_file), file);
-    const JsonReader document(parsed, file);
-    document.at("format").integer(plan_format, plan_format);
-    for (size_t i = 0; i < document.at("rows").size(); ++i) document.at("rows")[i].at("cell").text();
-    return ordered_json::parse(store.text(plan_file))["rows"];
 }
 
 } // namespace
@@ -219,7 +216,7 @@ StudySummary run_study(const StudyPlan& plan, const StudyProgram& program, const
     StudySummary summary;
     const std::vector<const PlannedCell*> to_do = cells_to_do(plan, store, run, summary);
     const ordered_json written = plan_json(plan);
-    store.put_text(plan_file, written.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+    store.put_text(study_plan_file, written.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n");
     Runner runner(plan, program, store);
     compute_all(to_do, summary.there, runner, run);
     summary.computed = to_do.size();
@@ -228,22 +225,22 @@ StudySummary run_study(const StudyPlan& plan, const StudyProgram& program, const
     for (size_t i = 0; i < plan.cells.size(); ++i)
         if (run.share.has(i)) own.push_back(plan.cells[i].hash);
     count_failures(store, own, summary);
-    write_tables(store, written["rows"], false, summary);
+    write_tables(store, written, false, summary);
     return summary;
 }
 
 StudySummary collect_study(const std::string& folder, bool partial) {
     StudyStore store(folder);
     StudySummary summary;
-    const ordered_json rows = read_plan(store);
-    write_tables(store, rows, partial, summary);
+    const ordered_json plan = read_study_plan(store);
+    write_tables(store, plan, partial, summary);
     if (summary.missing > 0 && !partial)
         throw InputError(fmt::format("{} of {} cells are missing in '{}'; gnomon study run computes them, --partial "
                                      "writes the tables without them",
                                      summary.missing, summary.cells, folder));
     std::vector<std::string> hashes;
     std::set<std::string> seen;
-    for (const ordered_json& head : rows)
+    for (const ordered_json& head : plan["rows"])
         if (seen.insert(head["cell"]).second) hashes.push_back(head["cell"]);
     count_failures(store, hashes, summary);
     return summary;

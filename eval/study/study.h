@@ -36,9 +36,10 @@ struct StudyView {
 
 // A technique's answer for a view.
 struct StudyImage {
-    ChannelImage image;              // visibility, masks and whatever belongs to them
-    nlohmann::ordered_json counters; // totals over all passes and lights
-    nlohmann::ordered_json passes;   // [{"light", "name", counters…}], without times
+    ChannelImage image;                  // visibility, masks and whatever belongs to them
+    nlohmann::ordered_json counters;     // totals over all passes and lights
+    nlohmann::ordered_json passes;       // [{"light", "name", counters…}], without times; first what techniques share
+    nlohmann::ordered_json pass_seconds; // [{"light", "name", "seconds"}]
     double seconds = 0;
     std::int64_t peak_bytes = 0; // of the program, while it worked on this
 };
@@ -55,6 +56,7 @@ struct StudyTechnique {
 struct StudyProgram {
     std::string version;
     std::vector<StudyTechnique> techniques;
+    std::vector<std::string> counters;                // names of those that StudyImage::counters has
     std::function<void(const StudyView&)> check_view; // throws UsageError; touches no file
     // `state` names a file from which a long truth may go on, and to which it may save; "" for none.
     std::function<StudyImage(const StudyView&, const StudyChoice&, const std::string& state)> render;
@@ -83,8 +85,15 @@ struct PlannedRow {
     nlohmann::ordered_json head; // {"cell", "block", "scene", …, "reference"}
 };
 
+// A scene that the file calls optional and that is not there.
+struct SkippedScene {
+    std::string name, missing; // missing: the file, as the study or the scene calls it
+};
+
 struct StudyPlan {
     std::string name;
+    nlohmann::json questions; // tables and claims, as they stand in the file
+    std::vector<SkippedScene> skipped;
     std::vector<PlannedRow> rows; // in the order of the file
     std::vector<PlannedCell> cells;
     std::vector<PlannedTruth> truths;

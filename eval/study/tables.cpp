@@ -30,17 +30,6 @@ void flatten(const std::string& name, const ordered_json& value, Columns& column
     cells[name] = value.is_null() ? "" : value.is_string() ? value.get<std::string>() : dump(value);
 }
 
-std::string quoted(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string result = "\"";
-    for (const char c : text) {
-        if (c == '"') result += c;
-        result += c;
-    }
-    result += '"';
-    return result;
-}
-
 // Keys that some lines lack stand where they would be in a line that has all of them.
 std::vector<Columns> top_level_keys(const std::vector<ordered_json>& lines) {
     std::vector<Columns> keys;
@@ -56,6 +45,17 @@ std::vector<Columns> top_level_keys(const std::vector<ordered_json>& lines) {
 }
 
 } // namespace
+
+std::string csv_text(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string result = "\"";
+    for (const char c : text) {
+        if (c == '"') result += c;
+        result += c;
+    }
+    result += '"';
+    return result;
+}
 
 ordered_json result_line(const ordered_json& head, const ordered_json& result) {
     ordered_json line = head;
@@ -98,13 +98,13 @@ std::string csv(const std::vector<ordered_json>& lines) {
     std::string text;
     for (const std::string& name : names) {
         if (&name != names.data()) text += ',';
-        text += quoted(name);
+        text += csv_text(name);
     }
     text += "\r\n";
     for (const Cells& cells : rows) {
         for (const std::string& name : names) {
             if (&name != names.data()) text += ',';
-            if (const auto found = cells.find(name); found != cells.end()) text += quoted(found->second);
+            if (const auto found = cells.find(name); found != cells.end()) text += csv_text(found->second);
         }
         text += "\r\n";
     }

@@ -14,6 +14,9 @@ nlohmann::ordered_json result_line(const nlohmann::ordered_json& head, const nlo
 // for a cell that failed.
 nlohmann::ordered_json timing_line(const nlohmann::ordered_json& head, const nlohmann::ordered_json& timing);
 
+// A field of CSV, in quotes where it must be. [RFC 4180]
+std::string csv_text(const std::string& text);
+
 std::string json_lines(const std::vector<nlohmann::ordered_json>& lines);
 
 // A column for every value of the lines, named after the keys that lead to it with dots between them; empty where a

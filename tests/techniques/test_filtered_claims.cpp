@@ -1,5 +1,5 @@
-// What the thesis claims of filtered shadow maps, checked: docs/claims-macedo2018-filtered.md has the list and the
-// figures that these tests print.
+// What the thesis claims of filtered shadow maps, checked: data/studies/macedo2018-claims.json refers to these tests
+// and has the figures that they print, docs/results-macedo2018.md what becomes of each claim.
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
-// Claims of the thesis on revectorization, each checked and its figure told. docs/claims-macedo2018.md has the figures
-// and what they say. [Macedo 2018, 3.6]
+// Claims of the thesis on revectorization, each checked and its figure told. data/studies/macedo2018-claims.json has
+// the figures, docs/results-macedo2018.md what they say. [Macedo 2018, 3.6]
 
 #include <catch2/catch.hpp>
 
