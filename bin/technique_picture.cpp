@@ -1,24 +1,31 @@
 #include "bin/technique_picture.h"
 
-#include "bin/layers.h"
+#include "bin/render_options.h"
+#include "core/image_file.h"
 #include "eval/bitmap_font.h"
 
 namespace gnomon {
 namespace {
 
 constexpr int shrink = 4;
-constexpr ivec2 shown(480, 270), rendered = shrink * shown;
+constexpr ivec2 shown(400, 225), rendered = shrink * shown;
 constexpr int gap = 4;
-constexpr ivec2 crop((720 - shown.x - gap), (shown.y - gap) / 2);
-// The slab's foot, where its shadow begins, from the left and the bottom.
-constexpr ivec2 crop_from(1600, 150);
-constexpr vec3 ambient(0.35f); // W/m², so that shadows are not black
-constexpr vec3 paper(1.0f), mark(1.0f, 0.45f, 0.1f);
+constexpr ivec2 crop((600 - shown.x - gap), (shown.y - gap) / 2);
+// The foot of the arch and the upper edge of the shadow of the slab, from the left and the bottom.
+constexpr ivec2 crop_from(1333, 206);
+constexpr vec3 paper(1.0f), background(0.86f), mark(1.0f, 0.3f, 0.0f);
 
 Stage default_stage() {
     SceneRequest request;
     request.scene = "builtin:default";
     return load_stage(request);
+}
+
+// Display-referred: even where nothing is wrong, so that every fault of a shadow shows; darker from below than from
+// above, so that shapes do.
+vec3 plain_color(vec3 albedo, vec3 normal, float visibility) {
+    const vec3 linear = albedo * (0.25f + 0.75f * visibility) * (0.75f + 0.25f * normal.y);
+    return {srgb_from_linear(linear.x), srgb_from_linear(linear.y), srgb_from_linear(linear.z)};
 }
 
 vec3 mean_of_block(const Image<vec3>& image, int x, int y) {
@@ -46,23 +53,22 @@ void outline(Image<vec3>& picture, ivec2 from, ivec2 size, vec3 color) {
 } // namespace
 
 TechniquePictures::TechniquePictures()
-    : stage_(default_stage()), frame_(stage_.scene, stage_.camera, rendered.x, rendered.y, Primary::Raster) {
-    Image<vec3> lit = ambient_and_emission(frame_.gbuffer(), ambient);
-    add_direct_light(lit, frame_.gbuffer(), stage_.lights.front(), Image<float>(rendered.x, rendered.y, 1.0f));
-    exposure_ = automatic_exposure(frame_.gbuffer(), lit);
-}
+    : stage_(default_stage()), frame_(stage_.scene, stage_.camera, rendered.x, rendered.y, Primary::Raster) {}
 
 const Image<vec3>& TechniquePictures::shaded(const std::string& specification) {
-    const auto [found, is_new] = shaded_.try_emplace(specification);
+    const auto [found, is_new] = shaded_.try_emplace(specification, rendered.x, rendered.y, background);
     if (!is_new) return found->second;
     const TechniqueRequest technique = read_technique(specification);
-    const Light& light = stage_.lights.front();
     frame_.begin_technique();
     const Visibility visibility =
-        run_technique(*technique.entry, *technique.entry->make(technique.parameters), frame_, light);
-    Image<vec3> radiance = ambient_and_emission(frame_.gbuffer(), ambient);
-    add_direct_light(radiance, frame_.gbuffer(), light, visibility.values);
-    return found->second = exposed_srgb(radiance, exposure_);
+        run_technique(*technique.entry, *technique.entry->make(technique.parameters), frame_, stage_.lights.front());
+    const GBuffer& gbuffer = frame_.gbuffer();
+    Image<vec3>& image = found->second;
+    for (int y = 0; y < rendered.y; ++y)
+        for (int x = 0; x < rendered.x; ++x)
+            if (gbuffer.receivers(x, y).valid())
+                image(x, y) = plain_color(gbuffer.albedo(x, y), gbuffer.shading_normal(x, y), visibility.values(x, y));
+    return image;
 }
 
 Image<vec3> TechniquePictures::draw(const Entry& entry) {

@@ -11,21 +11,20 @@ namespace gnomon {
 
 class TechniquePictures {
 public:
-    // The default scene, shaded at four times the size at which it is shown, so that techniques meet the pixels of a
-    // usual screen.
+    // The default scene at four times the size at which it is shown, so that techniques meet the pixels of a usual
+    // screen; colours are even, without falloff or highlights, so that shadows are what one sees.
     TechniquePictures();
 
-    // Display-referred sRGB of 720 x 270 pixels. Throws UsageError where the technique does not support the scene's
+    // Display-referred sRGB of 600 x 225 pixels. Throws UsageError where the technique does not support the scene's
     // light, a rectangle.
     Image<vec3> draw(const Entry& entry);
 
 private:
-    const Image<vec3>& shaded(const std::string& specification); // rendered once each
+    const Image<vec3>& shaded(const std::string& specification);
 
     Stage stage_;
     Frame frame_;
-    float exposure_ = 1.0f;
-    std::map<std::string, Image<vec3>> shaded_; // the references
+    std::map<std::string, Image<vec3>> shaded_; // the references, once they are made
 };
 
 } // namespace gnomon
