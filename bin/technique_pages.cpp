@@ -37,6 +37,13 @@ std::string parameter_rows(const Entry& entry) {
     for (const ParameterInfo& info : entry.parameters)
         text += fmt::format("| `{}` | {} | {} | {} | {} |\n", info.name, escaped(info.default_text), values(info),
                             escaped(info.help), escaped(info.source));
+    const bool of_the_author =
+        std::any_of(entry.parameters.begin(), entry.parameters.end(), [](const ParameterInfo& info) {
+            return info.source.find("author's programs") != std::string::npos;
+        });
+    if (of_the_author)
+        text +=
+            "\nThe author's programs are those that Macedo published: github.com/MarcioCerqueira/GlobalIllumination.\n";
     return text;
 }
 
@@ -90,11 +97,13 @@ std::string technique_index() {
     for (const std::string& family : families()) {
         std::string title = family;
         title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
-        text += fmt::format("\n## {}\n\n| technique | | kind | paper |\n|---|---|---|---|\n", escaped(title));
+        text += fmt::format("\n## {}\n\n| technique | | kind and paper | |\n|---|---|---|---|\n", escaped(title));
         for (const Entry& entry : techniques())
             if (entry.info.family == family)
-                text += fmt::format("| [{0}]({0}.md) | {1} | {2} | {3} |\n", entry.info.id, escaped(entry.info.title),
-                                    technique_kind_name(entry.info.kind), escaped(entry.info.paper));
+                text += fmt::format(
+                    "| [{0}]({0}.md) | {1} | {2}: {3} | <img src=\"{0}.png\" width=\"300\" alt=\"{0}\"> |\n",
+                    entry.info.id, escaped(entry.info.title), technique_kind_name(entry.info.kind),
+                    escaped(entry.info.paper));
     }
     return text;
 }
