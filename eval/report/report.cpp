@@ -164,6 +164,18 @@ std::vector<Image<float>> flip_maps(const ReportData& data) {
     return maps;
 }
 
+// What the page needs to draw error maps as eval/error_map.h does.
+Json color_maps() {
+    return {{"signed", blue_white_red()}, {"magnitude", magma()}, {"false-color", blue_green_red()}, {"flip", magma()}};
+}
+
+Json thresholds() {
+    return {{"umbra_up_to", umbra_up_to},
+            {"lit_from", lit_from},
+            {"leak_above", leak_above},
+            {"false_shadow_below", false_shadow_below}};
+}
+
 Json report_json(const ReportData& data) {
     Json views = views_json(data); // checks what the images are to be
     const std::vector<Image<float>> flips = flip_maps(data);
@@ -177,25 +189,19 @@ Json report_json(const ReportData& data) {
     for (size_t i = 0; i < data.entries.size(); ++i) entries.push_back(entry_json(data.entries[i], embedded.images[i]));
     std::vector<std::string> notes = data.notes;
     for (std::string& note : embedding_notes(embedded)) notes.push_back(std::move(note));
-    return {
-        {"title", data.title},
-        {"kind", data.kind == ReportData::Kind::Study ? "study" : "render"},
-        {"facts", data.facts},
-        {"notes", notes},
-        {"command_lines", data.command_lines},
-        {"links", data.links},
-        {"parameter_units", data.parameter_units},
-        {"blocks", data.blocks},
-        {"color_maps",
-         {{"signed", blue_white_red()}, {"magnitude", magma()}, {"false-color", blue_green_red()}, {"flip", magma()}}},
-        {"thresholds",
-         {{"umbra_up_to", umbra_up_to},
-          {"lit_from", lit_from},
-          {"leak_above", leak_above},
-          {"false_shadow_below", false_shadow_below}}},
-        {"metrics", metric_table(data)},
-        {"views", std::move(views)},
-        {"entries", std::move(entries)}};
+    return {{"title", data.title},
+            {"kind", data.kind == ReportData::Kind::Study ? "study" : "render"},
+            {"facts", data.facts},
+            {"notes", notes},
+            {"command_lines", data.command_lines},
+            {"links", data.links},
+            {"parameter_units", data.parameter_units},
+            {"blocks", data.blocks},
+            {"color_maps", color_maps()},
+            {"thresholds", thresholds()},
+            {"metrics", metric_table(data)},
+            {"views", std::move(views)},
+            {"entries", std::move(entries)}};
 }
 
 void replace_once(std::string& text, std::string_view mark, std::string_view replacement) {
