@@ -17,6 +17,7 @@ void add_study_command(CLI::App& program);
 void add_list_command(CLI::App& program);
 void add_help_command(CLI::App& program);
 void add_export_command(CLI::App& program);
+void add_docs_command(CLI::App& program);
 void add_completion_command(CLI::App& program);
 
 // Sub-commands of `gnomon study`.

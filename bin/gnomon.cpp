@@ -83,6 +83,7 @@ void add_commands(CLI::App& program, const std::string& line) {
     add_list_command(program);
     add_help_command(program);
     add_export_command(program);
+    add_docs_command(program);
     add_completion_command(program);
 }
 

@@ -74,18 +74,39 @@ Image<std::uint8_t> absent_pixels(const ColorPair& pair) {
     return count > 0 ? absent : Image<std::uint8_t>();
 }
 
-// Columns [begin, end) of row y of a picture in opponent colours.
-void load_row(const std::array<const Image<float>*, 3>& picture, const Image<std::uint8_t>& absent, int y, int begin,
-              int end, const Display& display, std::array<std::vector<float>, 3>& row) {
-    const auto count = static_cast<size_t>(end - begin);
-    for (size_t c = 0; c < 3; ++c) {
-        const float* values = picture[c]->row(y).data() + begin;
-        row[c].assign(values, values + count);
-        for (size_t x = 0; x < count && !absent.empty(); ++x)
-            if (absent(begin + static_cast<int>(x), y)) row[c][x] = 0.0f;
-        show(display, row[c]);
-    }
-    to_opponents(row[0].data(), row[1].data(), row[2].data(), count);
+// Columns [begin, end) of row y of one channel as they are shown.
+void show_row(const Image<float>& channel, const Image<std::uint8_t>& absent, int y, int begin, int end,
+              const Display& display, std::vector<float>& row) {
+    row.assign(channel.row(y).begin() + begin, channel.row(y).begin() + end);
+    for (size_t x = 0; x < row.size() && !absent.empty(); ++x)
+        if (absent(begin + static_cast<int>(x), y)) row[x] = 0.0f;
+    show(display, row);
+}
+
+// Part of a picture and what the filters see of it: some columns and rows more on every side.
+struct Task {
+    FlipArea area;
+    int bottom, top; // rows [bottom, top)
+    int radius;
+
+    int left() const { return std::max(area.first_column - radius, 0); }
+    int right() const { return std::min(area.first_column + area.columns + radius, area.width); }
+};
+
+// Whether both pictures are shown alike in all that a task's filters see; FLIP is then 0, to the bit. Where much of a
+// picture is black, this is so of most tasks at most exposures: what is not black is white there.
+bool shown_alike(const ColorPair& pair, const Image<std::uint8_t>& absent, const Display& display, const Task& task) {
+    std::vector<float> test, reference;
+    const int begin = task.left(), end = task.right(), last = std::min(task.top + task.radius, task.area.height);
+    for (int y = std::max(task.bottom - task.radius, 0); y < last; ++y)
+        for (size_t c = 0; c < 3; ++c) {
+            const float *a = pair.test[c]->row(y).data(), *b = pair.reference[c]->row(y).data();
+            if (std::equal(a + begin, a + end, b + begin)) continue;
+            show_row(*pair.test[c], absent, y, begin, end, display, test);
+            show_row(*pair.reference[c], absent, y, begin, end, display, reference);
+            if (test != reference) return false;
+        }
+    return true;
 }
 
 // map = max(map, FLIP of the pictures as displayed).
@@ -100,14 +121,17 @@ void raise_map(const ColorPair& pair, const Image<std::uint8_t>& absent, const D
         const int left = static_cast<int>(task) % across * task_columns,
                   bottom = static_cast<int>(task) / across * task_rows;
         const FlipArea area{width, height, left, std::min(task_columns, width - left)};
+        const int top = std::min(bottom + task_rows, height);
+        if (shown_alike(pair, absent, display, {area, bottom, top, kernels.radius})) return;
         FlipRows test(kernels, area), reference(kernels, area);
         const auto load = [&](const std::array<const Image<float>*, 3>& picture) {
             return [&](int y, int begin, int end, std::array<std::vector<float>, 3>& row) {
-                load_row(picture, absent, y, begin, end, display, row);
+                for (size_t c = 0; c < 3; ++c) show_row(*picture[c], absent, y, begin, end, display, row[c]);
+                to_opponents(row[0].data(), row[1].data(), row[2].data(), row[0].size());
             };
         };
         std::vector<float> differences(static_cast<size_t>(area.columns));
-        for (int y = bottom; y < std::min(bottom + task_rows, height); ++y) {
+        for (int y = bottom; y < top; ++y) {
             test.filter_row(y, load(pair.test));
             reference.filter_row(y, load(pair.reference));
             flip_differences(test.filtered(), reference.filtered(), differences.data(), differences.size());
@@ -145,7 +169,7 @@ ExposureRange automatic_exposures(const ColorPair& pair) {
     if (luminances.empty()) return {};
     const auto middle = luminances.begin() + static_cast<std::ptrdiff_t>(luminances.size() / 2);
     std::nth_element(luminances.begin(), middle, luminances.end());
-    const float smallest = std::numeric_limits<float>::epsilon();
+    const float smallest = std::numeric_limits<float>::epsilon(); // as in the authors' program
     const float median = std::max(*middle, smallest),
                 largest = std::max(*std::max_element(middle, luminances.end()), smallest);
     // Where the tone curve reaches 0.85, its shoulder. [2021, 3]
@@ -154,7 +178,7 @@ ExposureRange automatic_exposures(const ColorPair& pair) {
     const double x = (-b + std::sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
     ExposureRange range;
     range.start = static_cast<float>(std::log2(x / largest)), range.stop = static_cast<float>(std::log2(x / median));
-    range.count = std::max(2, static_cast<int>(std::ceil(range.stop - range.start)));
+    range.count = std::clamp(static_cast<int>(std::ceil(range.stop - range.start)), 2, most_exposures);
     return range;
 }
 

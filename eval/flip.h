@@ -16,7 +16,11 @@ inline constexpr float default_pixels_per_degree = 67.0206433f;
 Image<float> flip_map(const ColorPair& pair, float pixels_per_degree = default_pixels_per_degree);
 
 // Stops between which HDR-FLIP exposes the pictures: from the one that puts the brightest pixel of the reference
-// on the shoulder of the tone curve to the one that puts its median there.
+// on the shoulder of the tone curve to the one that puts its median there, at most a stop apart. A median of less than
+// 2^-23, as where more than half of a picture is black, counts as that, which is what the authors' program does. From
+// there to the brightest value of a half float are 39 stops; a range of more than 40 is covered by 40 exposures,
+// evenly, so that the work has a bound.
+inline constexpr int most_exposures = 40;
 struct ExposureRange {
     float start = 0.0f, stop = 0.0f;
     int count = 2;

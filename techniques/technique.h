@@ -45,10 +45,10 @@ struct TechniqueInfo {
     std::string title;  // "percentage-closer filtering"
     std::string family; // "shadow map", "shadow volume", "ray tracing", …
     TechniqueKind kind = TechniqueKind::Hard;
-    std::string paper; // "Reeves, Salesin, Cook 1987; Macedo 2018, 2.18"
+    std::string paper; // "Reeves, Salesin, Cook 1987; Macedo 2018"
     LightTypes lights = all_lights;
-    // What `gnomon help` adds where they are given, each a line or a few.
-    std::string section = "";   // where the paper has it: "3.2"
+    // What `gnomon help` and the page of techniques tell, each a line or a few; a test asks all of them of every entry.
+    std::string section = "";   // where it is described: "Macedo 2018, 3.2, algorithm 1"
     std::string equations = ""; // "(3.3), (3.4), (3.9)"
     std::string strengths = ""; // what it is good at
     std::string artifacts = ""; // what is known to go wrong, and where

@@ -26,15 +26,21 @@ for (const view of views) // those with images, the reference first
   view.shown = entries.filter(entry => entry.view === view && (entry.shaded || entry.visibility)).sort((a, b) => is_reference(b) - is_reference(a));
 const rivals = entries.filter(entry => !is_reference(entry));
 
+// What can be shown of an entry. Of those that compare it with the reference, an `error` is in units of visibility and has a
+// range to choose; one that shows the same numbers `as_well` as another is not on the cards.
 const has_error = entry => Boolean(entry.visibility && entry.view.reference?.visibility);
+const has_flip = entry => Boolean(entry.flip) || is_reference(entry) && entries.some(other => other.view === entry.view && other.flip);
 const layers = [
   {id: 'shaded', title: 'Shaded', key: 's', of: entry => Boolean(entry.shaded)},
   {id: 'visibility', title: 'Visibility', key: 'v', of: entry => Boolean(entry.visibility)},
-  {id: 'signed', title: 'Signed error', key: 'e', of: has_error, error: true},
-  {id: 'magnitude', title: 'Magnitude', key: 'm', of: has_error, error: true},
-  {id: 'leaks', title: 'Leaks', key: 'l', of: has_error},
+  {id: 'signed', title: 'Signed error', key: 'e', of: has_error, compares: true, error: true},
+  {id: 'magnitude', title: 'Magnitude', key: 'm', of: has_error, compares: true, error: true},
+  {id: 'false-color', title: 'False colours', key: 'c', of: has_error, compares: true, error: true, as_well: 'magnitude'},
+  {id: 'flip', title: 'FLIP', key: 'p', of: has_flip, compares: true},
+  {id: 'leaks', title: 'Leaks', key: 'l', of: has_error, compares: true},
 ].filter(layer => entries.some(layer.of));
-const is_error_layer = id => id === 'signed' || id === 'magnitude';
+const layer_of = id => layers.find(layer => layer.id === id);
+const is_error_layer = id => Boolean(layer_of(id)?.error), has_bar = id => id in report.color_maps;
 
 function element(name, properties = {}, ...children) {
   const made = document.createElement(name);

@@ -50,16 +50,17 @@ function remembered(make) {
   };
 }
 
-// Visibility from the two planes that its codes are stored in; the codes above the levels are the values that are not finite.
-const values_of = remembered(async entry => {
-  const planes = await gray_bytes(entry.visibility), count = planes.length / 2, values = new Float32Array(count);
-  const levels = entry.levels, [low, high] = entry.range, special = [-Infinity, Infinity, NaN];
+// Values from the two planes that their codes are stored in; the codes above the levels are those that are not finite.
+async function decoded(png, levels, [low, high]) {
+  const planes = await gray_bytes(png), count = planes.length / 2, values = new Float32Array(count), special = [-Infinity, Infinity, NaN];
   for (let i = 0; i < count; ++i) {
     const code = planes[i] << 8 | planes[i + count];
     values[i] = code > levels ? special[code - levels - 1] : low + code / levels * (high - low);
   }
   return values;
-});
+}
+const values_of = remembered(entry => decoded(entry.visibility, entry.levels, entry.range));
+const flip_of = remembered(async entry => entry.flip ? decoded(entry.flip, entry.flip_levels, [0, 1]) : new Float32Array(entry.view.width * entry.view.height));
 
 const mask_of = remembered(async view => view.mask ? gray_bytes(view.mask) : null);
 const in_mask = (mask, i) => !mask || mask[i] > 0;
@@ -82,9 +83,10 @@ function nice_range(largest) {
   return [1, 2, 2.5, 5, 10].map(step => +(step * power).toPrecision(3)).find(range => range >= largest * (1 - 1e-6));
 }
 
-// 1024 colours of a map as 32-bit pixels, interpolated between its anchors.
-const color_table = remembered(name => {
-  const anchors = report.color_maps[name], table = new Uint32Array(1024);
+// The colours of a layer's map as 32-bit pixels, interpolated between its anchors: so many that a value has the colour that
+// the program gives it, but for rounding.
+const color_table = remembered(layer => {
+  const anchors = report.color_maps[layer], table = new Uint32Array(1 << 14);
   for (let i = 0; i < table.length; ++i) {
     const position = i / (table.length - 1) * (anchors.length - 1), first = Math.min(Math.floor(position), anchors.length - 2);
     const mix = shift => {
@@ -109,24 +111,30 @@ function painted({width, height}, color) {
   return canvas;
 }
 
-async function error_canvas(entry, layer, range) {
-  const [values, truth, mask] = await compared(entry), table = color_table(layer), last = table.length - 1;
+function color_at(layer, position) {
+  const table = color_table(layer);
+  return table[Math.round(Math.min(Math.max(position, 0), 1) * (table.length - 1))];
+}
+
+// A layer with a colour map. FLIP was measured by the program; the others are differences.
+async function map_canvas(entry, layer, range) {
+  const [values, truth, mask] = await compared(entry), flip = layer === 'flip' ? await flip_of(entry) : null;
   return painted(entry.view, i => {
     if (!in_mask(mask, i)) return outside_color;
-    const error = (values[i] - truth[i]) / range;
+    const error = flip ? flip[i] : (values[i] - truth[i]) / range;
     if (!Number.isFinite(error)) return missing_color;
-    return table[Math.round(Math.min(Math.max(layer === 'signed' ? 0.5 + 0.5 * error : Math.abs(error), 0), 1) * last)];
+    return color_at(layer, layer === 'signed' ? 0.5 + 0.5 * error : Math.abs(error));
   });
 }
 
 // The reference, faded, and over it what the metrics `leak` (red) and `false_shadow` (blue) count.
 async function leak_canvas(entry) {
-  const [values, truth, mask] = await compared(entry);
+  const [values, truth, mask] = await compared(entry), {umbra_up_to, lit_from, leak_above, false_shadow_below} = report.thresholds;
   return painted(entry.view, i => {
     if (!in_mask(mask, i)) return outside_color;
     if (!Number.isFinite(values[i]) || !Number.isFinite(truth[i])) return missing_color;
-    if (truth[i] <= 0.005 && values[i] > 0.05) return pixel(255, 255 - byte_of(0.5 + values[i] / 2), 40);
-    if (truth[i] >= 0.995 && values[i] < 0.95) return pixel(byte_of(values[i] / 2), 96, 255);
+    if (truth[i] <= umbra_up_to && values[i] > leak_above) return pixel(255, 255 - byte_of(0.5 + values[i] / 2), 40);
+    if (truth[i] >= lit_from && values[i] < false_shadow_below) return pixel(byte_of(values[i] / 2), 96, 255);
     const gray = byte_of(0.25 + 0.6 * truth[i]);
     return pixel(gray, gray, gray);
   });
@@ -147,12 +155,12 @@ function layer_image(entry, layer, range) {
   let image = drawn.get(key);
   drawn.delete(key);
   image ??= layer === 'shaded' ? picture(entry.shaded) : layer === 'visibility' ? visibility_canvas(entry)
-    : layer === 'leaks' ? leak_canvas(entry) : error_canvas(entry, layer, range);
+    : layer === 'leaks' ? leak_canvas(entry) : map_canvas(entry, layer, range);
   drawn.set(key, image);
   if (drawn.size > 12) drawn.delete(drawn.keys().next().value);
   return image;
 }
 
 // A colour bar as a strip one pixel high.
-const color_bar = layer => painted({width: 1024, height: 1}, i => color_table(layer)[i]);
+const color_bar = layer => painted({width: 1024, height: 1}, i => color_at(layer, i / 1023));
 const range_ends = (layer, range) => layer === 'signed' ? ['−' + range, '0', '+' + range] : ['0', String(+(range / 2).toPrecision(6)), String(range)];

@@ -96,13 +96,12 @@ const viewer = (() => {
     return nice_range(Math.max(...await Promise.all(shown.map(side => largest_error(side.entry)))));
   }
 
+  // A bar for every colour map that is seen.
   function legend() {
-    const side = sides.findIndex(one => is_error_layer(one.layer));
-    id('legend').hidden = side < 0;
-    if (side < 0) return;
-    const layer = sides[side].layer;
-    id('legend').replaceChildren(color_bar(layer),
-      element('div', {className: 'ends'}, ...range_ends(layer, state.ranges[side]).map(text => element('span', {textContent: text}))));
+    const maps = new Map(sides.map((side, i) => [side.layer, state.ranges[i]]).filter(([layer]) => has_bar(layer)));
+    id('legend').hidden = !maps.size;
+    id('legend').replaceChildren(...[...maps].flatMap(([layer, range]) => [color_bar(layer),
+      element('div', {className: 'ends'}, ...range_ends(layer, range).map(text => element('span', {textContent: text})))]));
   }
 
   // The pixel under the pointer, or else under the keyboard's cursor; null outside the image.
@@ -117,12 +116,13 @@ const viewer = (() => {
     const list = id('readout'), view = state.view, reference = view.reference, at = pixel_at();
     const shown = [...new Set([left.entry, ...(state.mode === 'single' ? [] : [right.entry]), reference])].filter(entry => entry?.visibility);
     const values = await Promise.all(shown.map(async entry => at ? (await values_of(entry))[at[1] * view.width + at[0]] : undefined));
+    const flips = await Promise.all(shown.map(async entry => at && entry.flip && sides.some(side => side.layer === 'flip') ? (await flip_of(entry))[at[1] * view.width + at[0]] : NaN));
     const mask = await mask_of(view);
     if (String(at) !== String(pixel_at()) || view !== state.view) return; // a later call is on its way
     const truth = reference ? values[shown.indexOf(reference)] : undefined, rows = [['Pixel from top left', at ? `${at[0]}, ${at[1]}` : '–']];
     shown.forEach((entry, k) => {
       const error = values[k] - truth;
-      rows.push([entry.name, at ? value_line(values[k]) + (entry !== reference && Number.isFinite(error) ? '  ' + signed_line(error) : '') : '–']);
+      rows.push([entry.name, at ? value_line(values[k]) + (entry !== reference && Number.isFinite(error) ? '  ' + signed_line(error) : '') + (Number.isFinite(flips[k]) ? '  FLIP ' + flips[k].toFixed(3) : '') : '–']);
     });
     if (at && !in_mask(mask, at[1] * view.width + at[0])) rows.push(['Receiver', 'not measured']);
     pairs(list, rows);
@@ -165,7 +165,7 @@ const viewer = (() => {
   function controls() {
     const shown = state.view.shown;
     for (const side of sides) // an entry may lack the layer that is looked at
-      if (!layers.find(layer => layer.id === side.layer)?.of(side.entry)) side.layer = layers.findLast(layer => layer.of(side.entry) && !layer.error && layer.id !== 'leaks')?.id;
+      if (!layer_of(side.layer)?.of(side.entry)) side.layer = layers.findLast(layer => layer.of(side.entry) && !layer.compares)?.id;
     press_mode(state.mode);
     press_layer(left.layer === right.layer || state.mode === 'single' ? left.layer : '');
     chips.forEach((chip, i) => chip.setAttribute('aria-pressed', shown[i] === left.entry));
@@ -180,7 +180,7 @@ const viewer = (() => {
   function set_mode(mode) { state.mode = mode; fit_canvas(); show(); }
   function set_layer(layer) {
     // The reference's own error is zero everywhere: beside an error map it is more use as it is.
-    for (const side of sides) side.layer = is_reference(side.entry) && (is_error_layer(layer) || layer === 'leaks') ? 'visibility' : layer;
+    for (const side of sides) side.layer = is_reference(side.entry) && layer_of(layer).compares ? 'visibility' : layer;
     show();
   }
   function set_entry(side, i) {

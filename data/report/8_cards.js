@@ -29,7 +29,7 @@ const cards = (() => {
       const range = layer.error ? nice_range(await largest_error(entry)) : 1, context = canvas.getContext('2d');
       context.imageSmoothingQuality = 'high';
       context.drawImage(await layer_image(entry, layer.id, range), 0, 0, canvas.width, canvas.height);
-      if (!layer.error) return;
+      if (!has_bar(layer.id)) return;
       const bar = color_bar(layer.id);
       bar.className = 'bar';
       bar.style.width = '100%';
@@ -75,7 +75,7 @@ const cards = (() => {
   }
 
   function card(entry) {
-    const thumbs = layers.filter(layer => layer.of(entry) && !(is_reference(entry) && layer.of === has_error)).map(layer => thumb(entry, layer));
+    const thumbs = layers.filter(layer => layer.of(entry) && !layer.as_well && !(is_reference(entry) && layer.compares)).map(layer => thumb(entry, layer));
     const worst = has_error(entry) && !is_reference(entry) ? element('div', {className: 'worst-region'}) : '';
     const costs = element('dl', {className: 'costs'}), parameters = Object.entries(entry.parameters);
     pairs(costs, [['Time', entry.seconds ? seconds(entry.seconds) : ''], ['Peak memory', entry.peak_bytes ? bytes(entry.peak_bytes) : ''], ['Passes', entry.passes.length || '']]);

@@ -44,8 +44,12 @@ function fill_words() {
   by_id('title').textContent = report.title;
   pairs(by_id('facts'), report.facts);
   by_id('notes').replaceChildren(...report.notes.map(textContent => element('p', {className: 'note', textContent})));
-  const levels = new Set(entries.filter(entry => entry.visibility).map(entry => entry.levels));
-  by_id('precision').textContent = [...levels].map(level => `1/${level}`).join(' and ');
+  const steps = (key, image) => [...new Set(entries.filter(entry => entry[image]).map(entry => entry[key]))].map(level => `1/${level}`).join(' and ');
+  by_id('precision').textContent = steps('levels', 'visibility');
+  by_id('flip-precision').textContent = steps('flip_levels', 'flip') || '–';
+  const rounded = value => +value.toPrecision(6);
+  by_id('leak-above').textContent = rounded(report.thresholds.leak_above);
+  by_id('false-shadow-below').textContent = rounded(report.thresholds.false_shadow_below);
   by_id('metric-glossary').replaceChildren(...report.metrics.filter(metric => metric.formula).flatMap(metric => [
     element('dt', {textContent: quantities.short_title(metric.id)}),
     element('dd', {textContent: `${metric.title.replace(/^./, letter => letter.toUpperCase())}: ${metric.formula}. From ${metric.range}. Blind to: ${metric.blind_to}.`}),

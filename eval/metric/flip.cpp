@@ -26,7 +26,7 @@ Measure flip_hdr_measure() {
     metric.title = "HDR-FLIP";
     metric.formula = "mean of the largest flip over exposures at most a stop apart, from the one that puts the "
                      "reference's brightest pixel on the tone curve's shoulder to the one that puts its median there "
-                     "(ACES tone curve)";
+                     "(ACES tone curve); a median below 2^-23 counts as that, and 40 exposures are the most";
     metric.range = "0 (equal) to 1; absent for display-referred images";
     metric.source = "Andersson, Nilsson, Shirley, Akenine-Moller, Visualizing Errors in Rendered High Dynamic Range "
                     "Images, Eurographics short papers 2021";

@@ -34,9 +34,9 @@ struct Coder {
     }
 };
 
-Coder coder_for(const Image<float>& visibility, int levels) {
+Coder coder_for(const Image<float>& values, int levels) {
     float low = 0.0f, high = 1.0f;
-    for (const float value : visibility.values())
+    for (const float value : values.values())
         if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
     return {low, high, levels};
 }
@@ -54,15 +54,22 @@ Image<vec3> reduced(const Image<vec3>& image, int step) {
     return small;
 }
 
-// From fine to coarse: visibility keeps its precision as long as it can.
+// From fine to coarse: visibility keeps its precision as long as it can; FLIP maps, which the files can give again, go
+// before it.
 struct Rung {
     int shaded_step, levels;
+    bool flip;
 };
-constexpr Rung rungs[] = {{1, finest_levels}, {2, finest_levels}, {2, 4096}, {2, 1024}, {4, 252}};
+constexpr Rung rungs[] = {{1, finest_levels, true}, {2, finest_levels, true}, {2, finest_levels, false},
+                          {2, 4096, false},         {2, 1024, false},         {4, 252, false}};
+
+size_t bytes_of(const EmbeddedImages& images) {
+    return images.shaded.size() + images.visibility.png.size() + images.flip.png.size();
+}
 
 size_t total_bytes(const std::vector<EmbeddedImages>& images) {
     size_t sum = 0;
-    for (const EmbeddedImages& one : images) sum += one.shaded.size() + one.visibility.png.size();
+    for (const EmbeddedImages& one : images) sum += bytes_of(one);
     return sum;
 }
 
@@ -73,23 +80,23 @@ void leave_out(EmbeddedSet& set, const std::vector<ImagesToEmbed>& entries, size
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return entries[a].rank > entries[b].rank; });
     for (const size_t i : order) {
         EmbeddedImages& images = set.images[i];
-        const size_t own = images.shaded.size() + images.visibility.png.size();
+        const size_t own = bytes_of(images);
         if (set.bytes <= budget || own == 0) continue;
         set.bytes -= own;
-        images = {{}, {}, true};
+        images = {{}, {}, {}, true};
         ++set.left_out;
     }
 }
 
 } // namespace
 
-EmbeddedVisibility embed_visibility(const Image<float>& visibility, int levels) {
-    const int width = visibility.width(), height = visibility.height();
-    const Coder code_of = coder_for(visibility, levels);
+EmbeddedValues embed_values(const Image<float>& values, int levels) {
+    const int width = values.width(), height = values.height();
+    const Coder code_of = coder_for(values, levels);
     Image<std::uint8_t> planes(width, 2 * height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const unsigned code = code_of(visibility(x, y));
+            const unsigned code = code_of(values(x, y));
             planes(x, y + height) = static_cast<std::uint8_t>(code >> 8);
             planes(x, y) = static_cast<std::uint8_t>(code & 255);
         }
@@ -109,18 +116,21 @@ std::string embed_mask(const Image<std::uint8_t>& mask) {
 EmbeddedSet embed_images(const std::vector<ImagesToEmbed>& entries, size_t budget) {
     EmbeddedSet set;
     set.images.resize(entries.size());
-    Rung before{0, 0};
+    Rung before{0, 0, false};
     for (const Rung& rung : rungs) {
         parallel_for(entries.size(), 1, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) {
                 if (rung.shaded_step != before.shaded_step && entries[i].shaded && !entries[i].shaded->empty())
                     set.images[i].shaded = embed_shaded(*entries[i].shaded, rung.shaded_step);
                 if (rung.levels != before.levels && entries[i].visibility && !entries[i].visibility->empty())
-                    set.images[i].visibility = embed_visibility(*entries[i].visibility, rung.levels);
+                    set.images[i].visibility = embed_values(*entries[i].visibility, rung.levels);
+                if (rung.flip && !before.flip && entries[i].flip && !entries[i].flip->empty())
+                    set.images[i].flip = embed_values(*entries[i].flip, flip_levels);
+                if (!rung.flip) set.images[i].flip = {};
             }
         });
         set.bytes = total_bytes(set.images);
-        set.shaded_step = rung.shaded_step, set.levels = rung.levels;
+        set.shaded_step = rung.shaded_step, set.levels = rung.levels, set.flip = rung.flip;
         if (set.bytes <= budget) return set;
         before = rung;
     }

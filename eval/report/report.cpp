@@ -10,6 +10,8 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "eval/color_map.h"
+#include "eval/flip.h"
+#include "eval/metric/classes.h"
 #include "eval/metrics.h"
 #include "eval/report/embed.h"
 #include "eval/report/template.h"
@@ -49,7 +51,9 @@ Json entry_json(const ReportEntry& entry, const EmbeddedImages& images) {
         {"shaded", images.shaded},
         {"visibility", images.visibility.png},
         {"levels", images.visibility.levels},
-        {"range", {images.visibility.low, images.visibility.high}}};
+        {"range", {images.visibility.low, images.visibility.high}},
+        {"flip", images.flip.png},
+        {"flip_levels", images.flip.levels}};
 }
 
 // The metrics that some entry has, in the order in which they are listed everywhere; after them those that this program
@@ -102,14 +106,17 @@ std::vector<std::pair<int, int>> view_sizes(const ReportData& data) {
     return sizes;
 }
 
+std::vector<ReportEntry>::const_iterator reference_of(const ReportData& data, int view) {
+    return std::find_if(data.entries.begin(), data.entries.end(),
+                        [&](const ReportEntry& entry) { return entry.is_reference && entry.view == view; });
+}
+
 Json views_json(const ReportData& data) {
     const std::vector<std::pair<int, int>> sizes = view_sizes(data);
     Json views = Json::array();
     for (size_t i = 0; i < data.views.size(); ++i) {
         const ReportView& view = data.views[i];
-        const auto reference = std::find_if(data.entries.begin(), data.entries.end(), [&](const ReportEntry& entry) {
-            return entry.is_reference && static_cast<size_t>(entry.view) == i;
-        });
+        const auto reference = reference_of(data, static_cast<int>(i));
         views.push_back({{"scene", view.scene},
                          {"camera", view.camera},
                          {"light", view.light},
@@ -130,6 +137,7 @@ std::vector<std::string> embedding_notes(const EmbeddedSet& set) {
         notes.push_back(fmt::format("To keep this page small, shaded images are stored at 1/{} of their width and "
                                     "height; the files have all of them.",
                                     set.shaded_step));
+    if (!set.flip) notes.push_back("To keep this page small, it has no FLIP maps; `gnomon compare` makes them.");
     if (set.levels < finest_levels)
         notes.push_back(fmt::format(
             "To keep this page small, visibility is stored in {} levels; the files have all of it.", set.levels));
@@ -139,11 +147,43 @@ std::vector<std::string> embedding_notes(const EmbeddedSet& set) {
     return notes;
 }
 
+// FLIP of each entry's visibility as grey light, as `compare --map-kind flip` has it; empty where there is nothing to
+// compare.
+std::vector<Image<float>> flip_maps(const ReportData& data) {
+    std::vector<Image<float>> maps(data.entries.size());
+    for (size_t i = 0; i < maps.size(); ++i) {
+        const ReportEntry& entry = data.entries[i];
+        const auto reference = reference_of(data, entry.view);
+        if (reference == data.entries.end() || entry.is_reference || entry.visibility.empty() ||
+            reference->visibility.empty())
+            continue;
+        const Image<float>*test = &entry.visibility, *truth = &reference->visibility;
+        maps[i] =
+            flip_map({{test, test, test}, {truth, truth, truth}, data.views[static_cast<size_t>(entry.view)].mask});
+    }
+    return maps;
+}
+
+// What the page needs to draw error maps as eval/error_map.h does.
+Json color_maps() {
+    return {{"signed", blue_white_red()}, {"magnitude", magma()}, {"false-color", blue_green_red()}, {"flip", magma()}};
+}
+
+Json thresholds() {
+    return {{"umbra_up_to", umbra_up_to},
+            {"lit_from", lit_from},
+            {"leak_above", leak_above},
+            {"false_shadow_below", false_shadow_below}};
+}
+
 Json report_json(const ReportData& data) {
     Json views = views_json(data); // checks what the images are to be
+    const std::vector<Image<float>> flips = flip_maps(data);
     std::vector<ImagesToEmbed> wanted;
-    for (const ReportEntry& entry : data.entries)
-        wanted.push_back({&entry.shaded, &entry.visibility, entry.is_reference ? 0 : 1 + entry.image_rank});
+    for (size_t i = 0; i < data.entries.size(); ++i) {
+        const ReportEntry& entry = data.entries[i];
+        wanted.push_back({&entry.shaded, &entry.visibility, entry.is_reference ? 0 : 1 + entry.image_rank, &flips[i]});
+    }
     const EmbeddedSet embedded = embed_images(wanted, data.image_budget);
     Json entries = Json::array();
     for (size_t i = 0; i < data.entries.size(); ++i) entries.push_back(entry_json(data.entries[i], embedded.images[i]));
@@ -157,7 +197,8 @@ Json report_json(const ReportData& data) {
             {"links", data.links},
             {"parameter_units", data.parameter_units},
             {"blocks", data.blocks},
-            {"color_maps", {{"signed", blue_white_red()}, {"magnitude", magma()}}},
+            {"color_maps", color_maps()},
+            {"thresholds", thresholds()},
             {"findings", data.findings},
             {"metrics", metric_table(data)},
             {"views", std::move(views)},

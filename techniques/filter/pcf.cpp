@@ -1,4 +1,4 @@
-// Percentage-closer filtering: the mean of shadow tests around the receiver. [Reeves et al. 1987; Macedo 2018, 2.18]
+// Percentage-closer filtering: the mean of shadow tests around the receiver. [Reeves et al. 1987; Macedo 2018, 2.4]
 //
 // 1. shadow map.
 // 2. look-up: V = mean of the tests at taps spread over ±radius texels: at the centres of kernel × kernel cells, by
@@ -29,18 +29,18 @@ constexpr auto pcf_fields = join(
     fields(
         field("kernel", &PcfParams::kernel, 1, 63, "taps", "side of the filter kernel", "Macedo 2018, 4.3.1"),
         field("radius", &PcfParams::radius, 0, 512, "texels",
-              "half the side of the square that the taps cover; 0: kernel/2, one texel apart", "Macedo 2018, 2.18"),
+              "half the side of the square that the taps cover; 0: kernel/2, one texel apart", "author's programs: 1"),
         field("taps", &PcfParams::taps, "cells|published|poisson|bilinear",
               "at the centres of kernel x kernel cells; from -radius up to radius in steps of 2 radius/kernel, counted "
               "in "
               "floats, so that a side has kernel taps or one more; `samples` Poisson-disc points; or kernel x kernel "
               "hardware comparisons, each the bilinear mean of four tests against one depth",
-              "Macedo 2018, 2.18"),
-        field("samples", &PcfParams::samples, 1, 4096, "taps", "of taps=poisson"),
-        field("shift", &PcfParams::shift,
-              "taps=poisson: another shift of the points in every pixel, noise for banding"),
+              "Reeves et al. 1987; published: author's programs"),
+        field("samples", &PcfParams::samples, 1, 4096, "taps", "of taps=poisson", "Reeves et al. 1987"),
+        field("shift", &PcfParams::shift, "taps=poisson: another shift of the points in every pixel, noise for banding",
+              "Reeves et al. 1987"),
         preset("published", "size=2048,near=1,border=shadow,receiver-plane=false,kernel=7,radius=1,taps=published",
-               "as in the author's program", "Macedo 2018, 2.18 and 2.30")));
+               "as in the author's program", "github.com/MarcioCerqueira/GlobalIllumination")));
 
 // Offsets of kernel × kernel taps about the receiver in texels, v outer and u inner.
 std::vector<vec2> square_of(const std::vector<float>& side) {
@@ -118,9 +118,10 @@ Entry pcf_entry() {
          .title = "percentage-closer filtering",
          .family = "shadow map",
          .kind = TechniqueKind::Filtered,
-         .paper = "Reeves, Salesin, Cook 1987; Macedo 2018, 2.18",
+         .paper = "Reeves, Salesin, Cook 1987; Macedo 2018",
          .lights = all_lights,
-         .section = "2.4",
+         .section = "Macedo 2018, 2.4",
+         .equations = "V = mean of the tests (3.2) at the taps",
          .strengths = "no light leaks: only results of tests are averaged; the shadow map alone",
          .artifacts = "fetches grow with the square of the kernel; bands of 1/kernel along edges that follow the map's "
                       "axes; where the kernel is small, the map's steps show"},

@@ -1,6 +1,6 @@
 #pragma once
 // The light's shadow-map pass and the way from a receiver to its place on the map: what every image-based technique
-// starts with. [Williams 1978; Macedo 2018, 0.2 to 0.5; Navrátil 2015, 2.2]
+// starts with. [Williams 1978; Macedo 2018, 2.2 and 3.1.2; Navrátil 2015, 2.3]
 
 #include <algorithm>
 #include <span>
@@ -26,18 +26,20 @@ struct MapParams {
 };
 
 constexpr auto map_fields = fields(
-    field("size", &MapParams::size, 1, 16384, "texels", "side of the map, or of each cube face"),
+    field("size", &MapParams::size, 1, 16384, "texels", "side of the map, or of each cube face", "Williams 1978"),
     field("constant-bias", &MapParams::constant_bias, -1, 1, "depth", "subtracted from the receiver's depth",
-          "Navratil 2015, 2.2"),
+          "Navratil 2015, 2.3.3"),
     field("normal-offset", &MapParams::normal_offset, 0, 64, "texels",
           "moves the receiver along its normal, by texels of the map times the sine of the light's angle",
           "Holbert 2011"),
     field("facing-test", &MapParams::facing_test, "receivers that face away from the light are dark without a look-up",
-          "Macedo 2018, 0.7"),
+          "author's programs"),
     field("projection", &MapParams::projection, projection_choices,
-          "one view where all casters fit into 120 degrees, else six cube faces; or force one"),
-    field("near", &MapParams::near_plane, 0, 1e6, "m", "near plane of the light's view; 0: as far as no caster is cut"),
-    field("border", &MapParams::border, "lit|shadow", "what lies outside the map", "Macedo 2018, 0.2"));
+          "one view where all casters fit into 120 degrees, else six cube faces; or force one",
+          "cube: Navratil 2015, 3.3.1"),
+    field("near", &MapParams::near_plane, 0, 1e6, "m", "near plane of the light's view; 0: as far as no caster is cut",
+          "author's programs: 1"),
+    field("border", &MapParams::border, "lit|shadow", "what lies outside the map", "author's programs: shadow"));
 
 // A map of depths, with the polygon offset it is drawn with.
 struct ShadowMapParams : MapParams {
@@ -47,11 +49,12 @@ struct ShadowMapParams : MapParams {
 };
 
 constexpr auto shadow_map_fields =
-    join(map_fields, fields(field("format", &ShadowMapParams::format, "d32f|d24|d16", "what the map stores depth in"),
+    join(map_fields, fields(field("format", &ShadowMapParams::format, "d32f|d24|d16", "what the map stores depth in",
+                                  "author's programs: d32f"),
                             field("slope-bias", &ShadowMapParams::slope_bias, 0, 64, "",
-                                  "polygon offset factor: times the depth slope per texel", "Macedo 2018, 0.5"),
+                                  "polygon offset factor: times the depth slope per texel", "author's programs: 4"),
                             field("units-bias", &ShadowMapParams::units_bias, 0, 1e7, "",
-                                  "polygon offset units: times the depth resolution", "Macedo 2018, 0.5")));
+                                  "polygon offset units: times the depth resolution", "author's programs: 20")));
 
 // A depth map that is looked up at many texels around the receiver.
 struct FilteredMapParams : ShadowMapParams {
@@ -117,7 +120,7 @@ inline MapTap map_tap(const LightMap& map, int layer, int x, int y, float depth)
 }
 
 // 1 where depth ≤ the stored depth of texel (x, y), 0 where the texel is nearer; the border's answer outside the map.
-// [Macedo 2018, 0.4]
+// [Macedo 2018, (3.2)]
 inline float shadow_test(const ShadowMap& map, int layer, int x, int y, float depth, PassCounters& counters) {
     const MapTap tap = map_tap(map, layer, x, y, depth);
     if (!tap.inside) return map.params.border == Border::Lit ? 1.0f : 0.0f;
@@ -128,7 +131,7 @@ inline float shadow_test(const ShadowMap& map, int layer, int x, int y, float de
 inline float kernel_cell(int i, int n) { return (static_cast<float>(2 * i + 1) / static_cast<float>(n)) - 1.0f; }
 
 // Mean of n×n nearest shadow tests at offsets spread evenly over ±reach texels around the point: the centres of n×n
-// cells, v outer and u inner. [Reeves et al. 1987; Macedo 2018, 2.18]
+// cells, v outer and u inner. [Reeves et al. 1987; Macedo 2018, 2.4]
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters);
 
 // The same at any offsets from the point, in texels.

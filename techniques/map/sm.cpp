@@ -1,4 +1,4 @@
-// Shadow mapping: one nearest look-up a receiver. [Williams 1978; Macedo 2018, 2.1; Navrátil 2015, 2.2]
+// Shadow mapping: one nearest look-up a receiver. [Williams 1978; Macedo 2018, 2.2; Navrátil 2015, 2.3]
 //
 // 1. shadow map: depth of all casters from the light, with constant and slope-scaled offset.
 // 2. look-up: V = depth of the receiver ≤ depth of the texel it falls on.
@@ -39,10 +39,10 @@ Entry sm_entry() {
                                             .title = "shadow map",
                                             .family = "shadow map",
                                             .kind = TechniqueKind::Hard,
-                                            .paper = "Williams 1978; Macedo 2018, 2.1",
+                                            .paper = "Williams 1978; Macedo 2018",
                                             .lights = all_lights,
-                                            .section = "Macedo 2018, 2.2 and 3.1.2; Navratil 2015, 2.2",
-                                            .equations = "(3.2)",
+                                            .section = "Macedo 2018, 2.2 and 3.1.2; Navratil 2015, 2.3",
+                                            .equations = "(3.2): V = 0 where z > S(i, j), else 1",
                                             .strengths = "one look-up a receiver; any geometry; no bias of the edge",
                                             .artifacts = "texels show as stairs at any resolution; acne without bias, "
                                                          "detached shadows with too much; details thinner than a texel "

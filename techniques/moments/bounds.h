@@ -1,7 +1,7 @@
 #pragma once
 // What the filtered moments of a map say about a receiver at depth t: how much of the light gets past the depths that
 // they were taken of. Each answer is a fraction lit, 1 where nothing is nearer than t; Chebyshev's, Hamburger's and
-// Hausdorff's are bounds that no distribution with those moments exceeds. [Macedo 2018, 2.19 to 2.23]
+// Hausdorff's are bounds that no distribution with those moments exceeds. [Macedo 2018, 2.4]
 //
 // T is float, as in a program on the GPU, or double, for references. Answers lie in [0, 1]; where an overflow has left
 // NaN they are 0, as a GPU's clamp has it. Depths grow away from the light; for the moment problems and for the Fourier

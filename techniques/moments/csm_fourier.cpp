@@ -1,5 +1,5 @@
 // Convolution shadow map: the shadow test as a Fourier series of depth, whose basis functions are images that are
-// filtered ahead of the look-up. [Annen, Mertens, Bekaert, Seidel, Kautz 2007; Macedo 2018, 2.23]
+// filtered ahead of the look-up. [Annen, Mertens, Bekaert, Seidel, Kautz 2007; Macedo 2018, 2.4]
 //
 // 1. depth: linear depth z, scaled to a range shorter than 1.
 // 2. basis images: cos(c_k z) and sin(c_k z), c_k = π(2k − 1), k = 1 … M, two terms an RGBA image, as ½ + ½ value.
@@ -32,7 +32,7 @@ constexpr auto csm_fields = join(
     fields(
         field("terms", &CsmParams::terms, 1, 16, "", "M, terms of the series; two to an image", "Annen et al. 2007, 4"),
         field("attenuation", &CsmParams::attenuation, 0, 16, "",
-              "alpha of the attenuation e^(-alpha (k/M)^2) against ringing", "Macedo 2018, 2.23"),
+              "alpha of the attenuation e^(-alpha (k/M)^2) against ringing", "Annen et al. 2007, 4"),
         field("offset", &CsmParams::offset, 0, 1, "linear depth",
               "subtracted from the receiver's depth, so that the series has risen where it meets its own surface",
               "Annen et al. 2007, 4"),
@@ -42,9 +42,9 @@ constexpr auto csm_fields = join(
             "range", &CsmParams::range, 0.1, 1, "linear depth",
             "what depths are scaled to before they enter the series, whose period is 2: at 1 the far plane meets what "
             "lies at the near plane as it meets itself",
-            "Macedo 2018, 2.23"),
+            "ours"),
         field("format", &CsmParams::format, "float32|half|unorm16|unorm8", "what an image stores a value in",
-              "Macedo 2018, 2.23")));
+              "Annen et al. 2007: unorm8")));
 
 class CsmFourier : public Technique {
 public:
@@ -126,10 +126,11 @@ Entry csm_fourier_entry() {
          .title = "convolution shadow map",
          .family = "moments",
          .kind = TechniqueKind::Filtered,
-         .paper = "Annen et al. 2007; Macedo 2018, 2.23",
+         .paper = "Annen et al. 2007; Macedo 2018",
          .lights = all_lights,
-         .section = "2.4",
-         .equations = "V = 1/2 + 2 sum a_k/c_k sin(c_k (z - t))",
+         .section = "Macedo 2018, 2.4",
+         .equations = "V = 1/2 + 2 sum over k = 1 to M of a_k/c_k E[sin(c_k (z - t))], c_k = (2k - 1) pi, a_k = "
+                      "e^(-alpha (k/M)^2)",
          .strengths = "bleeds by no more than its ringing, wherever the layers lie",
          .artifacts = "ringing, bands of a few per cent; contacts closer than 1/(2 terms) of the light's depth range "
                       "bleed; terms/2 "

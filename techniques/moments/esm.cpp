@@ -1,5 +1,5 @@
 // Exponential shadow map: the shadow test as e^(c(z − t)), whose factor e^(cz) is filtered ahead of the look-up.
-// [Annen, Mertens, Seidel, Flerackers, Kautz 2008; Salvi 2008; Macedo 2018, 2.20]
+// [Annen, Mertens, Seidel, Flerackers, Kautz 2008; Salvi 2008; Macedo 2018, 2.4]
 //
 // 1. moments: linear depth t (store=log), or e^(c t) (store=exponential).
 // 2. pre-filter of e^(c t); with store=log in log space: c·x₀ + log Σ w_k e^(c(x_k − x₀)).
@@ -24,16 +24,15 @@ struct EsmParams : MomentMapParams {
 constexpr auto esm_fields = join(
     moment_map_fields,
     fields(field("store", &EsmParams::store, "log|exponential",
-                 "log keeps depths, which never overflow, and needs prefilter=blur without footprint",
-                 "Macedo 2018, 2.20"),
+                 "log keeps depths, which never overflow, and needs prefilter=blur without footprint", "Salvi 2008"),
            field("exponent", &EsmParams::exponent, 1, 1000, "per linear depth",
                  "c: the larger, the less light gets past casters close to the receiver; above 88 store=exponential "
                  "overflows",
                  "Annen et al. 2008, 4.3"),
            field("filter-exponent", &EsmParams::filter_exponent, 0, 1000, "per linear depth",
-                 "c of the blur of store=log; 0: exponent", "Macedo 2018, 2.20"),
+                 "c of the blur of store=log; 0: exponent", "author's programs: 1"),
            preset("published", "size=2048,near=1,border=shadow,kernel=7,exponent=80,filter-exponent=1",
-                  "as in the author's program", "Macedo 2018, 2.30")));
+                  "as in the author's program", "github.com/MarcioCerqueira/GlobalIllumination")));
 
 class Esm : public Technique {
 public:
@@ -94,11 +93,12 @@ Entry esm_entry() {
          .title = "exponential shadow map",
          .family = "moments",
          .kind = TechniqueKind::Filtered,
-         .paper = "Annen et al. 2008; Salvi 2008; Macedo 2018, 2.20",
+         .paper = "Annen et al. 2008; Salvi 2008; Macedo 2018",
          .lights = all_lights,
-         .section = "2.4",
-         .equations = "V = clamp(E[e^(cz)] e^(-ct))",
-         .strengths = "one channel; nothing leaks where casters lie well in front of the receiver",
+         .section = "Macedo 2018, 2.4",
+         .equations = "V = E[e^(cz)] e^(-ct), clamped to [0, 1]",
+         .strengths = "one channel, filtered at any size for the price of one look-up; nothing leaks where casters lie "
+                      "well in front of the receiver",
          .artifacts = "light leaks where caster and receiver touch, by e^(-c distance); receivers that are not plane "
                       "within the filter get lit or dark too much; above c = 88 store=exponential overflows"},
         esm_fields);

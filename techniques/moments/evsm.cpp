@@ -1,6 +1,6 @@
 // Exponential variance shadow map: Chebyshev's bound on depths warped by e^(c⁺x), which parts layers that lie apart,
 // and by −e^(−c⁻x), which bleeds elsewhere; the smaller of the two is taken. [Lauritzen 2008, 7.2 "exponential variance
-// shadow maps"; Lauritzen and McCool 2008; Macedo 2018, 2.21]
+// shadow maps"; Lauritzen and McCool 2008; Macedo 2018, 2.4]
 //
 // 1. moments: (w⁺, w⁺², w⁻, w⁻²), w⁺ = e^(c⁺x), w⁻ = −e^(−c⁻x), x = 2t − 1; the first two alone with components=two.
 // 2. pre-filter.
@@ -28,25 +28,26 @@ struct EvsmParams : MomentMapParams {
     float min_deviation = 1e-4f;
     EvsmParams() { plane_bias = 0.5f; }
 };
-constexpr auto evsm_fields = join(
-    moment_map_fields,
-    fields(
-        field("components", &EvsmParams::components, "four|two|published",
-              "both warps, the positive one alone, or depth's own moments with the exponential of their mean",
-              "Macedo 2018, 2.21"),
-        field("format", &EvsmParams::format, "float32|half",
-              "what the map stores a moment in; half holds exponents up to 5.5"),
-        field("positive", &EvsmParams::positive, 0.1, 1000, "",
-              "exponent of the positive warp, for depths in -1 to 1; 32 bits hold up to 42 and half up to 5.5",
-              "Macedo 2018, 2.21"),
-        field("negative", &EvsmParams::negative, 0.1, 1000, "", "exponent of the negative warp", "Macedo 2018, 2.21"),
-        field("published-exponent", &EvsmParams::published_exponent, 1, 1000, "per linear depth",
-              "of components=published", "Macedo 2018, 2.21"),
-        field("min-deviation", &EvsmParams::min_deviation, 0, 1, "linear depth, from -1 to 1",
-              "least standard deviation of the look-up before the warp; published: of linear depth",
-              "Macedo 2018, 2.21"),
-        preset("published", "size=2048,near=1,border=shadow,kernel=7,components=published,min-deviation=0,plane-bias=0",
-               "as in the author's program", "Macedo 2018, 2.30")));
+constexpr auto evsm_fields =
+    join(moment_map_fields,
+         fields(field("components", &EvsmParams::components, "four|two|published",
+                      "both warps, the positive one alone, or depth's own moments with the exponential of their mean",
+                      "Lauritzen and McCool 2008; published: author's programs"),
+                field("format", &EvsmParams::format, "float32|half",
+                      "what the map stores a moment in; half holds exponents up to 5.5", "Lauritzen and McCool 2008"),
+                field("positive", &EvsmParams::positive, 0.1, 1000, "",
+                      "exponent of the positive warp, for depths in -1 to 1; 32 bits hold up to 42 and half up to 5.5",
+                      "Lauritzen and McCool 2008"),
+                field("negative", &EvsmParams::negative, 0.1, 1000, "", "exponent of the negative warp",
+                      "Lauritzen and McCool 2008"),
+                field("published-exponent", &EvsmParams::published_exponent, 1, 1000, "per linear depth",
+                      "of components=published", "author's programs: 60"),
+                field("min-deviation", &EvsmParams::min_deviation, 0, 1, "linear depth, from -1 to 1",
+                      "least standard deviation of the look-up before the warp; published: of linear depth",
+                      "Lauritzen and McCool 2008"),
+                preset("published",
+                       "size=2048,near=1,border=shadow,kernel=7,components=published,min-deviation=0,plane-bias=0",
+                       "as in the author's program", "github.com/MarcioCerqueira/GlobalIllumination")));
 
 class Evsm : public Technique {
 public:
@@ -109,11 +110,12 @@ Entry evsm_entry() {
          .title = "exponential variance shadow map",
          .family = "moments",
          .kind = TechniqueKind::Filtered,
-         .paper = "Lauritzen, McCool 2008; Macedo 2018, 2.21",
+         .paper = "Lauritzen, McCool 2008; Macedo 2018",
          .lights = all_lights,
-         .section = "2.4",
-         .equations = "V = min of Chebyshev's bound on both warps",
-         .strengths = "light bleeds only where both warps let it",
+         .section = "Macedo 2018, 2.4",
+         .equations = "V = the smaller of s2/(s2 + (w - mu)^2) for the warps w = e^(positive x) and w = -e^(-negative "
+                      "x), x = 2t - 1",
+         .strengths = "light bleeds only where both warps let it; filters of any size for the price of one look-up",
          .artifacts =
              "light bleeds where casters lie close in front of the receiver; exponents above 42 overflow 32 bits"},
         evsm_fields);

@@ -1,6 +1,6 @@
 // Gaussian shadow map: the moments of a variance shadow map, read as those of a normal distribution of depths instead
 // of through Chebyshev's inequality: no bound, but a tail that falls off faster. [Gumbau, Sbert, Szirmay-Kalos,
-// Chover, González 2013; Macedo 2018, 2.23]
+// Chover, González 2013; Macedo 2018, 2.4]
 //
 // 1. moments: (w, w²) of warped depth w = t, or e^(c t) with warp=exponential.
 // 2. pre-filter.
@@ -27,15 +27,17 @@ struct GsmParams : MomentMapParams {
     float min_variance = 1e-6f;
 };
 constexpr auto gsm_fields = join(
-    moment_map_fields, fields(field("warp", &GsmParams::warp, "none|exponential",
-                                    "what depths are turned into before moments are taken", "Gumbau et al. 2013, 4"),
-                              field("exponent", &GsmParams::exponent, 1, 1000, "per linear depth",
-                                    "c of warp=exponential; above 44 the second moment may overflow in 32 bits"),
-                              field("tail", &GsmParams::tail, "full|half",
-                                    "just behind the mean: full meets 1, half is what the distribution function says",
-                                    "Macedo 2018, 2.23"),
-                              field("min-variance", &GsmParams::min_variance, 0, 1, "linear depth squared",
-                                    "least variance of the look-up, scaled by the warp's slope squared")));
+    moment_map_fields,
+    fields(field("warp", &GsmParams::warp, "none|exponential", "what depths are turned into before moments are taken",
+                 "Gumbau et al. 2013, 4"),
+           field("exponent", &GsmParams::exponent, 1, 1000, "per linear depth",
+                 "c of warp=exponential; above 44 the second moment may overflow in 32 bits", "Gumbau et al. 2013, 4"),
+           field("tail", &GsmParams::tail, "full|half",
+                 "just behind the mean: full meets 1, half is what the distribution function says",
+                 "Gumbau et al. 2013; full: ours"),
+           field("min-variance", &GsmParams::min_variance, 0, 1, "linear depth squared",
+                 "least variance of the look-up, scaled by the warp's slope squared",
+                 "Donnelly and Lauritzen 2006, 4.1")));
 
 class Gsm : public Technique {
 public:
@@ -72,18 +74,19 @@ private:
 } // namespace
 
 Entry gsm_entry() {
-    return make_entry<Gsm, GsmParams>({.id = "gsm",
-                                       .title = "Gaussian shadow map",
-                                       .family = "moments",
-                                       .kind = TechniqueKind::Filtered,
-                                       .paper = "Gumbau et al. 2013; Macedo 2018, 2.23",
-                                       .lights = all_lights,
-                                       .section = "2.4",
-                                       .equations = "V = erfc((t - mu)/(s sqrt 2))",
-                                       .strengths = "bleeds less than Chebyshev's bound far behind the mean",
-                                       .artifacts = "no bound: dark where light is left, 0.32 of it (0.16 with "
-                                                    "tail=half) between two even layers; bleeds with three layers"},
-                                      gsm_fields);
+    return make_entry<Gsm, GsmParams>(
+        {.id = "gsm",
+         .title = "Gaussian shadow map",
+         .family = "moments",
+         .kind = TechniqueKind::Filtered,
+         .paper = "Gumbau et al. 2013; Macedo 2018",
+         .lights = all_lights,
+         .section = "Macedo 2018, 2.4",
+         .equations = "V = erfc((t - mu)/(s sqrt 2)) behind the mean, half of that with tail=half, 1 before it",
+         .strengths = "bleeds less than Chebyshev's bound far behind the mean",
+         .artifacts = "no bound: dark where light is left, 0.32 of it (0.16 with "
+                      "tail=half) between two even layers; bleeds with three layers"},
+        gsm_fields);
 }
 
 } // namespace gnomon

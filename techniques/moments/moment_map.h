@@ -1,7 +1,7 @@
 #pragma once
 // Maps that are filtered ahead of their look-ups: moments or other functions of linear depth t, drawn from the light,
 // pre-filtered, and read as means around a receiver. What vsm, esm, evsm, gsm, msm and csm-fourier share; what they
-// make of the means is in bounds.h. [Macedo 2018, 2.19 to 2.24]
+// make of the means is in bounds.h. [Macedo 2018, 2.4]
 //
 //   const MomentMap map = moment_map(frame, light, params);             // the light's views, wide enough for the
 //   filter Target moments = draw_moments(frame, map, Format::RG32F, encode);   // encode(t, ∂t/∂x, ∂t/∂y) -> vec4 const
@@ -46,14 +46,15 @@ constexpr auto moment_map_fields = join(
         field("prefilter", &MomentMapParams::prefilter, "blur|mip|sat",
               "separable blur and bilinear look-up; mip map, trilinear at the level whose texels are as wide as the "
               "filter; or summed-area table, a box of exactly that width about the receiver",
-              "Macedo 2018, 2.19, 2.24"),
+              "Donnelly and Lauritzen 2006, 4; sat: Lauritzen 2007, 8.5"),
         field("blur", &MomentMapParams::blur, "binomial|box|gaussian",
-              "shape of prefilter=blur: binomial has sigma sqrt((kernel-1)/4)", "Macedo 2018, 2.19"),
-        field("sigma", &MomentMapParams::sigma, 0, 64, "texels", "of blur=gaussian; 0: kernel/6"),
+              "shape of prefilter=blur: binomial has sigma sqrt((kernel-1)/4)", "author's programs: binomial"),
+        field("sigma", &MomentMapParams::sigma, 0, 64, "texels", "of blur=gaussian; 0: kernel/6",
+              "Donnelly and Lauritzen 2006, 4"),
         field("sums", &MomentMapParams::sums, "float|double|uint32|int64",
               "what prefilter=sat sums in: as a GPU's floats do, in double, or in fixed point, of 32 bits that wrap "
               "around or exact",
-              "Macedo 2018, 2.24"),
+              "Lauritzen 2007, 8.5.2"),
         field("footprint", &MomentMapParams::footprint,
               "filter over no less than the pixel covers on the map, with mip levels of the blurred map where "
               "prefilter=blur",

@@ -1,6 +1,6 @@
 // Moment shadow map: four moments of depth, filtered ahead of the look-up; the sharp bound that they put on the lit
 // fraction, for depths anywhere (Hamburger's moment problem) or within the view (Hausdorff's). [Peters and Klein 2015;
-// Macedo 2018, 2.22]
+// Macedo 2018, 2.4]
 //
 // 1. moments: b = (t, t², t³, t⁴) of linear depth t; in 16 bits Θ b + o, whose rounding harms them least.
 // 2. pre-filter: linear, so it may work on Θ b + o.
@@ -34,18 +34,18 @@ constexpr auto msm_fields = join(
                  "depths may lie anywhere, or in 0 to 1 only, which bounds tighter", "Peters and Klein 2015, 3.2, 3.4"),
            field("format", &MsmParams::format, "float32|unorm16|plain16",
                  "what the map stores a moment in; unorm16 with the optimised quantisation transform, plain16 without",
-                 "Peters and Klein 2015, 3.3; Macedo 2018, 2.22"),
+                 "Peters and Klein 2015, 3.3"),
            field("moment-bias", &MsmParams::moment_bias, 0, 1, "",
                  "alpha, the share of a blend towards moments that no rounding can spoil; 3e-7 leaks less, but leaves "
                  "dark specks of rounding even with float32",
-                 "Peters and Klein 2015, 3.3; Macedo 2018, 2.22, 2.30"),
+                 "Peters and Klein 2015, 3.3; author's programs: 3e-5"),
            field("bias-towards", &MsmParams::bias_towards, "ends-and-middle|ends",
                  "the distribution of that blend: depths 0, 1/2 and 1, or 0 and 1 alone, which is no help where layers "
                  "lie at both ends of the view",
                  "Peters et al. 2017; Peters and Klein 2015, 3.3"),
            preset("published",
                   "size=2048,near=1,border=shadow,kernel=7,moment-bias=3e-5,bias-towards=ends,plane-bias=0",
-                  "as in the author's program", "Macedo 2018, 2.30")));
+                  "as in the author's program", "github.com/MarcioCerqueira/GlobalIllumination")));
 
 class Msm : public Technique {
 public:
@@ -85,10 +85,11 @@ Entry msm_entry() {
          .title = "moment shadow map",
          .family = "moments",
          .kind = TechniqueKind::Filtered,
-         .paper = "Peters, Klein 2015; Macedo 2018, 2.22",
+         .paper = "Peters, Klein 2015; Macedo 2018",
          .lights = all_lights,
-         .section = "2.4",
-         .equations = "algorithms 2 and 3 of Peters and Klein",
+         .section = "Macedo 2018, 2.4",
+         .equations =
+             "b = E[(z, z^2, z^3, z^4)]; V = the bound of algorithm 2 or 3 of Peters and Klein for the depth t",
          .strengths = "the sharpest bound that four moments allow: exact for two layers, little bleeds with three",
          .artifacts = "some light bleeds through three and more layers; a plane shadows itself without plane-bias"},
         msm_fields);

@@ -1,5 +1,5 @@
 // Variance shadow map: depth and squared depth, filtered ahead of the look-up; Chebyshev's inequality bounds the lit
-// fraction. [Donnelly and Lauritzen 2006; Macedo 2018, 2.19]
+// fraction. [Donnelly and Lauritzen 2006; Macedo 2018, 2.4]
 //
 // 1. moments: (t, t² + ¼((∂t/∂x)² + (∂t/∂y)²)) of linear depth t, cleared to (1, 1).
 // 2. pre-filter: blur, mip map or summed-area table.
@@ -18,14 +18,15 @@ struct VsmParams : MomentMapParams {
 };
 constexpr auto vsm_fields = join(
     moment_map_fields,
-    fields(field("format", &VsmParams::format, "float32|half|unorm16", "what the map stores a moment in"),
+    fields(field("format", &VsmParams::format, "float32|half|unorm16", "what the map stores a moment in",
+                 "Donnelly and Lauritzen 2006, 4"),
            field("slope-variance", &VsmParams::slope_variance,
                  "adds the variance of depth within a texel, a quarter of its squared gradient, to the second moment",
                  "Donnelly and Lauritzen 2006, 4.1"),
            field("min-variance", &VsmParams::min_variance, 0, 1, "linear depth squared",
                  "least variance of the look-up", "Donnelly and Lauritzen 2006, 4.1"),
            preset("published", "size=2048,near=1,border=shadow,kernel=7,slope-variance=true,min-variance=0",
-                  "as in the author's program", "Macedo 2018, 2.30")));
+                  "as in the author's program", "github.com/MarcioCerqueira/GlobalIllumination")));
 
 class Vsm : public Technique {
 public:
@@ -72,10 +73,10 @@ Entry vsm_entry() {
          .title = "variance shadow map",
          .family = "moments",
          .kind = TechniqueKind::Filtered,
-         .paper = "Donnelly, Lauritzen 2006; Macedo 2018, 2.19",
+         .paper = "Donnelly, Lauritzen 2006; Macedo 2018",
          .lights = all_lights,
-         .section = "2.4",
-         .equations = "V = s2/(s2 + (t - mu)^2)",
+         .section = "Macedo 2018, 2.4",
+         .equations = "V = s2/(s2 + (t - mu)^2) behind the mean, 1 before it; mu = E[z], s2 = E[z^2] - mu^2",
          .strengths = "filters of any size for the price of one look-up; no bias where a plane is seen at a slant",
          .artifacts = "light bleeds through a caster where the filter also covers a nearer one: V = s2/(s2 + (t - "
                       "mu)^2) > 0 in the umbra"},

@@ -36,7 +36,7 @@ constexpr auto revectorize_fields = join(
            field("eps-unit", &RevectorizeParams::eps_unit, "scaled|window",
                  "scaled: as in the author's light, where 2.5e-5 is 1/200 of the map's width; window: this light's "
                  "own window depth",
-                 "near 1, far 1000, 45 degrees, 164 away"),
+                 "author's programs: near 1, far 1000, 45 degrees, 164 away"),
            field("continuation", &RevectorizeParams::continuation, "any|share|perp",
                  "a run goes on at a texel with any discontinuity, with one in common, or with one in common "
                  "across the walk",

@@ -108,7 +108,7 @@ Entry smsr_entry() {
          .paper = "Bondarev 2014; Macedo 2018",
          .lights = all_lights,
          .section = "Macedo 2018, 2.3.3 and introduction of 3",
-         .equations = "(3.3) to (3.6), which later work made of it",
+         .equations = "(3.1), (3.3) to (3.6), which later work made of it",
          .strengths = "no staircase on edges of slope 1/n, n up to max-size",
          .artifacts =
              "two passes and a texture between them; false run ends on sloped receivers; one-texel gaps close; "

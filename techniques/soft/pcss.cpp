@@ -1,5 +1,5 @@
 // Percentage-closer soft shadows: the penumbra's width from the mean depth of the blockers. [Fernando 2005; Macedo
-// 2018, 2.17]
+// 2018, 2.5.1 and 5.1]
 //
 // 1. shadow map.
 // 2. look-up: a. blocker search: mean distance d_b of the texels nearer than the receiver, over search × search taps in
@@ -29,15 +29,15 @@ struct PcssParams : FilteredMapParams {
 };
 constexpr auto pcss_fields = join(
     filtered_map_fields,
-    fields(
-        field("search", &PcssParams::search, 1, 63, "taps", "side of the blocker search", "Macedo 2018, 5.1"),
-        field("kernel", &PcssParams::kernel, 1, 63, "taps", "side of the filter kernel", "Macedo 2018, 5.1"),
-        field("search-area", &PcssParams::search_area, "frustum|constant",
-              "where blockers are sought: the receiver-light pyramid at the near plane, or search-radius texels",
-              "Macedo 2018, 2.17"),
-        field("search-radius", &PcssParams::search_radius, 0, 4096, "texels", "half side of the constant search area"),
-        field("light-size", &PcssParams::light_size, 0, 1e6, "m",
-              "side of the square light; 0: the square root of the light's area")));
+    fields(field("search", &PcssParams::search, 1, 63, "taps", "side of the blocker search", "Macedo 2018, 5.1"),
+           field("kernel", &PcssParams::kernel, 1, 63, "taps", "side of the filter kernel", "Macedo 2018, 5.1"),
+           field("search-area", &PcssParams::search_area, "frustum|constant",
+                 "where blockers are sought: the receiver-light pyramid at the near plane, or search-radius texels",
+                 "Fernando 2005; constant: author's programs"),
+           field("search-radius", &PcssParams::search_radius, 0, 4096, "texels",
+                 "half side of the constant search area", "author's programs: 8"),
+           field("light-size", &PcssParams::light_size, 0, 1e6, "m",
+                 "side of the square light; 0: the square root of the light's area", "Fernando 2005")));
 
 float square_side(const Light& light) {
     const auto disk = static_cast<float>(pi) * 0.25f * light.size.x * light.size.x; // a sphere's too, as seen from afar
@@ -115,14 +115,22 @@ private:
 } // namespace
 
 Entry pcss_entry() {
-    return make_entry<Pcss, PcssParams>({.id = "pcss",
-                                         .title = "percentage-closer soft shadows",
-                                         .family = "shadow map",
-                                         .kind = TechniqueKind::Soft,
-                                         .paper = "Fernando 2005; Macedo 2018, 2.17",
-                                         .lights = all_lights & ~bit(LightType::Directional) &
-                                                   ~bit(LightType::TexturedRectangle) & ~bit(LightType::Mesh)},
-                                        pcss_fields);
+    return make_entry<Pcss, PcssParams>(
+        {.id = "pcss",
+         .title = "percentage-closer soft shadows",
+         .family = "shadow map",
+         .kind = TechniqueKind::Soft,
+         .paper = "Fernando 2005; Macedo 2018",
+         .lights =
+             all_lights & ~bit(LightType::Directional) & ~bit(LightType::TexturedRectangle) & ~bit(LightType::Mesh),
+         .section = "Macedo 2018, 2.5.1 and 5.1",
+         .equations = "(5.1) without its epsilon, (5.2)",
+         .strengths = "penumbrae that widen with the distance from the blocker, from one shadow map; their width is "
+                      "exact where light, blocker and receiver are parallel planes",
+         .artifacts =
+             "one mean depth stands for all blockers: layers mix, and penumbrae are too wide or too narrow where they "
+             "do; bands where the taps are too far apart; what the search misses is lit; cost grows with both kernels"},
+        pcss_fields);
 }
 
 } // namespace gnomon

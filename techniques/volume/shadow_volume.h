@@ -3,7 +3,7 @@
 // share, wound either way. Each triangle contributes its own volume, turned towards the light; where volumes share a
 // face the two cancel in the counting and are never built, so what remains are the quads of silhouette edges with their
 // multiplicities. The count that a stencil buffer ends with is the number of triangles between receiver and light.
-// [Navrátil 2015, 2.16, after Milet et al. 2014]
+// [Navrátil 2015, 2.2.2; Milet et al. 2014]
 
 #include <vector>
 

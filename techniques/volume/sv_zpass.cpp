@@ -1,5 +1,5 @@
 // Stencil shadow volumes, depth-pass: counted from the eye. Wrong where the near plane cuts a volume, which is why
-// depth-fail exists. [Heidmann 1991; Forest 2008, 2.1; Hasselgren 2003, 2.3]
+// depth-fail exists. [Heidmann 1991; Forest 2008, 2.2.1; Hasselgren 2003, 2.3.2]
 //
 // 1. scene depth.
 // 2. volume sides, no caps, depth LESS without writing; two-sided stencil on depth pass: front +1, back −1, wrapping.
@@ -19,9 +19,9 @@ struct ZpassParams {
 };
 constexpr auto zpass_fields =
     fields(field("stencil", &ZpassParams::stencil, "s32|s8",
-                 "bits of the counters: 32, which never wrap, or the API's 8", "Navratil 2015, 2.16"),
+                 "bits of the counters: 32, which never wrap, or the API's 8", "Navratil 2015, 2.2.2"),
            field("eye-count", &ZpassParams::eye_count,
-                 "start from the number of volumes that contain the eye; false: from zero", "Hasselgren 2003, 2.3"));
+                 "start from the number of volumes that contain the eye; false: from zero", "Hasselgren 2003, 2.3.2"));
 
 class Zpass : public Technique {
 public:
@@ -40,13 +40,20 @@ private:
 } // namespace
 
 Entry sv_zpass_entry() {
-    return make_entry<Zpass, ZpassParams>({.id = "sv-zpass",
-                                           .title = "stencil shadow volumes, depth pass",
-                                           .family = "shadow volume",
-                                           .kind = TechniqueKind::Hard,
-                                           .paper = "Heidmann 1991; Forest 2008, 2.1",
-                                           .lights = all_lights},
-                                          zpass_fields);
+    return make_entry<Zpass, ZpassParams>(
+        {.id = "sv-zpass",
+         .title = "stencil shadow volumes, depth pass",
+         .family = "shadow volume",
+         .kind = TechniqueKind::Hard,
+         .paper = "Heidmann 1991; Forest 2008",
+         .lights = all_lights,
+         .section = "Forest 2008, 2.2.1; Hasselgren 2003, 2.3.2; Navratil 2015, 2.2.2; Macedo 2018, 2.2",
+         .equations = "V = 1 where the volumes entered on the way from the eye, less those left, are 0",
+         .strengths =
+             "exact to the pixel, at any distance and for any geometry; no caps, so it fills less than depth fail",
+         .artifacts = "regions turn over where the near plane cuts a volume; fill grows with the area of all volumes "
+                      "on the screen; with stencil=s8 a multiple of 256 volumes counts as none"},
+        zpass_fields);
 }
 
 } // namespace gnomon

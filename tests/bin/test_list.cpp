@@ -64,7 +64,7 @@ TEST_CASE("Lists as text have one line for each entry under a heading", "[cli]")
 }
 
 TEST_CASE("help explains everything that is listed", "[cli]") {
-    std::vector<std::string> topics = {"render", "truth", "compare", "list", "help", "export", "completion"};
+    std::vector<std::string> topics = {"render", "truth", "compare", "list", "help", "export", "docs", "completion"};
     for (const gnomon::Entry& entry : gnomon::techniques()) topics.push_back(entry.info.id);
     for (const gnomon::BuiltinScene& scene : gnomon::builtin_scenes()) {
         topics.push_back(scene.name);
@@ -84,7 +84,7 @@ TEST_CASE("Version, help and completion go to standard output", "[cli]") {
     CHECK(check_success({"--version"}).starts_with("gnomon "));
     const std::string usage = check_success({"--help"});
     CHECK(check_success({"help"}) == usage);
-    for (const char* command : {"render", "truth", "compare", "list", "help", "export", "completion"}) {
+    for (const char* command : {"render", "truth", "compare", "list", "help", "export", "docs", "completion"}) {
         CHECK(usage.find(command) != std::string::npos);
         CHECK(check_success({command, "--help"}).find("Usage") != std::string::npos);
     }

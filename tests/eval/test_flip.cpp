@@ -107,6 +107,87 @@ TEST_CASE("FLIP of black against white is one, of equal pictures nothing") {
     CHECK(mean_of_map(flip_map(grey(beyond, white))) == 0.0); // clamped
 }
 
+namespace {
+
+// A lamp of brightness `peak`, fading over half its width, on black that fills most of the picture.
+Image<float> lamp(float peak, float shift) {
+    Image<float> image(90, 70, 0.0f);
+    for (int y = 20; y < 50; ++y)
+        for (int x = 20; x < 60; ++x) {
+            const float fade = std::clamp((static_cast<float>(x) - 20.0f + shift) / 20.0f, 0.0f, 1.0f);
+            image(x, y) = peak * fade * fade;
+        }
+    return image;
+}
+
+// What the ACES curve makes of a value at an exposure [2021, 3; Narkowicz 2015].
+float toned(float value, float stops) {
+    const float x = value * std::exp2(stops);
+    return std::clamp((0.6f * 0.6f * 2.51f * x + 0.6f * 0.03f) * x /
+                          ((0.6f * 0.6f * 2.43f * x + 0.6f * 0.59f) * x + 0.14f),
+                      0.0f, 1.0f);
+}
+
+} // namespace
+
+TEST_CASE("HDR-FLIP of a picture that is mostly black has as many exposures as its authors' program, up to 40") {
+    const auto range_of = [](float peak) {
+        const Image<float> picture = lamp(peak, 0.0f);
+        return automatic_exposures(grey(picture, picture));
+    };
+    const ExposureRange one = range_of(1.0f);
+    CHECK(one.stop - one.start == Approx(23.0f)); // the median counts as 2^-23
+    CHECK(one.count == 23);
+    CHECK(range_of(65504.0f).count == 39); // the brightest half float
+    CHECK(range_of(1e30f).count == most_exposures);
+    CHECK(range_of(1e30f).stop - range_of(1e30f).start == Approx(23.0f + std::log2(1e30f)));
+    const Image<float> black(90, 70, 0.0f);
+    CHECK(automatic_exposures(grey(black, black)).count == 2);
+    CHECK(mean_of_map(flip_hdr_map(grey(black, black))) == 0.0);
+}
+
+TEST_CASE("HDR-FLIP is the largest FLIP over the exposures, black surroundings or not") {
+    for (const float background : {0.0f, 0.2f}) {
+        Image<float> reference = lamp(4.0f, 0.0f), test = lamp(4.0f, 1.5f);
+        for (Image<float>* image : {&reference, &test})
+            for (float& value : image->values()) value += background;
+        const ExposureRange range = automatic_exposures(grey(test, reference));
+        CHECK(range.count == (background > 0.0f ? 5 : 25));
+        Image<float> expected(90, 70, 0.0f);
+        for (int i = 0; i < range.count; ++i) {
+            const float stops =
+                range.start + (range.stop - range.start) * static_cast<float>(i) / static_cast<float>(range.count - 1);
+            Image<float> a = test, b = reference;
+            for (Image<float>* image : {&a, &b})
+                for (float& value : image->values()) value = toned(value, stops);
+            const Image<float> map = flip_map(grey(a, b));
+            for (size_t pixel = 0; pixel < map.size(); ++pixel)
+                expected.values()[pixel] = std::max(expected.values()[pixel], map.values()[pixel]);
+        }
+        const Image<float> map = flip_hdr_map(grey(test, reference));
+        float largest = 0.0f;
+        for (size_t pixel = 0; pixel < map.size(); ++pixel)
+            largest = std::max(largest, std::abs(map.values()[pixel] - expected.values()[pixel]));
+        CHECK(mean_of_map(map) > 0.005);
+        CHECK(largest == 0.0f);
+    }
+}
+
+TEST_CASE("what is left out of FLIP's work is exactly zero") {
+    // A difference in the first task alone, and one more in the second, which is left out without it.
+    Image<float> reference = waves(1100, 140, 0.0f), one = reference;
+    for (int y = 60; y < 70; ++y) one(480, y) += 0.5f;
+    Image<float> two = one;
+    two(1000, 20) += 0.5f;
+    const Image<float> sparse = flip_map(grey(one, reference)), full = flip_map(grey(two, reference));
+    size_t different = 0;
+    for (int y = 0; y < 140; ++y)
+        for (int x = 0; x < 960; ++x) different += sparse(x, y) != full(x, y);
+    CHECK(different == 0);
+    CHECK(sparse(482, 65) > 0.0f);
+    CHECK(full(1000, 20) > 0.0f);
+}
+
 TEST_CASE("FLIP sees neither masked pixels nor missing ones") {
     const Image<float> reference = waves(90, 70, 0.0f), clean = waves(90, 70, 0.4f);
     Image<float> spoilt = clean, holes = clean;

@@ -233,18 +233,23 @@ ReportData large_report(int count, float noise) {
     data.views[0].mask = {};
     data.entries.assign(static_cast<size_t>(count), entry);
     data.entries[0].is_reference = true;
+    for (float& value : data.entries[0].visibility.values()) value *= value; // the others are all wrong, visibly
     return data;
 }
 
 } // namespace
 
 TEST_CASE("twenty techniques at 1280 x 720 stay below 25 MiB with all that there is to say") {
-    const std::string page = report_page(large_report(20, 0.0f));
+    // Five of them, and their share.
+    const std::string page = report_page(large_report(5, 0.0f));
     INFO((page.size() >> 10) << " KiB");
-    CHECK(page.size() < 25u << 20);
+    CHECK(page.size() < (25u << 20) * 5 / 20);
     const nlohmann::json data = embedded(page);
     CHECK(data["notes"].empty());
-    for (const nlohmann::json& entry : data["entries"]) CHECK(entry["levels"] == finest_levels);
+    for (const nlohmann::json& entry : data["entries"]) {
+        CHECK(entry["levels"] == finest_levels);
+        CHECK((entry["flip"] == "") == (entry == data["entries"][0]));
+    }
 }
 
 TEST_CASE("nothing but noise stays within the budget too, and the page says what it left out") {
@@ -261,7 +266,7 @@ TEST_CASE("nothing but noise stays within the budget too, and the page says what
 TEST_CASE("images that do not fit are made coarser, then left out by rank") {
     Image<float> noise(64, 64);
     for (size_t i = 0; i < noise.size(); ++i) noise.values()[i] = to_unit(hash(static_cast<std::uint32_t>(i)));
-    const std::vector<ImagesToEmbed> entries = {{nullptr, &noise, 2}, {nullptr, &noise, 0}, {nullptr, &noise, 1}};
+    std::vector<ImagesToEmbed> entries = {{nullptr, &noise, 2}, {nullptr, &noise, 0}, {nullptr, &noise, 1}};
     const EmbeddedSet all = embed_images(entries, size_t{1} << 20);
     CHECK(all.levels == finest_levels);
     CHECK(all.bytes == 3 * all.images[0].visibility.png.size());
@@ -274,6 +279,17 @@ TEST_CASE("images that do not fit are made coarser, then left out by rank") {
     CHECK(few.images[0].left_out);
     CHECK_FALSE(few.images[1].left_out);
     CHECK(embed_images(entries, 0).left_out == 3);
+
+    // FLIP maps go first.
+    entries[0].flip = &noise;
+    const EmbeddedSet with_flip = embed_images(entries, size_t{1} << 20);
+    CHECK(with_flip.flip);
+    CHECK(with_flip.bytes == all.bytes + with_flip.images[0].flip.png.size());
+    const EmbeddedSet without = embed_images(entries, with_flip.bytes - 1);
+    CHECK_FALSE(without.flip);
+    CHECK(without.images[0].flip.png.empty());
+    CHECK(without.levels == finest_levels);
+    CHECK(without.bytes == all.bytes);
 }
 
 TEST_CASE("an image made smaller is the mean of what it stands for") {

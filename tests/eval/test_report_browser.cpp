@@ -8,104 +8,19 @@
 #include "core/atomic_file.h"
 #include "core/image_file.h"
 #include "eval/report/report.h"
-#include "tests/eval/browser.h"
+#include "tests/eval/report_page.h"
 #include "tests/support.h"
 
 using namespace gnomon;
-using gnomon_tests::Browser;
+using namespace gnomon_tests;
 using nlohmann::json;
-
-namespace {
-
-const std::string ready = "document.documentElement.dataset.ready === 'yes'";
-
-// Four techniques of a small scene with their EXR files, rendered once for all tests of this process.
-const std::string& rendered_folder() {
-    static const std::string folder = [] {
-        const std::string made = gnomon_tests::temporary_folder();
-        const auto run = gnomon_tests::run_gnomon({"render", "builtin:fence", "-t", "sm", "-t", "pcf:size=512", "-t",
-                                                   "pcf", "--reference", "truth:samples=64", "--size", "320x180", "-o",
-                                                   made + "/", "--report", made + "/report.html", "--quiet"});
-        REQUIRE(run.errors == "");
-        REQUIRE(run.exit_code == 0);
-        return made;
-    }();
-    return folder;
-}
-
-struct Point {
-    double x, y;
-};
-
-// Where an element's middle is, after it has been brought into the window.
-Point middle_of(Browser& browser, const std::string& selector) {
-    const json box =
-        browser.evaluate("(() => { const e = document.querySelector(" + json(selector).dump() +
-                         "); e.scrollIntoView({behavior: 'instant', block: 'center'}); const b = "
-                         "e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()");
-    return {box[0], box[1]};
-}
-
-void click_on(Browser& browser, const std::string& selector) {
-    const Point at = middle_of(browser, selector);
-    browser.click(at.x, at.y);
-}
-
-// Does something that changes the images, and waits until they are there.
-template <class Act> void and_wait(Browser& browser, const Act& act) {
-    const json before = browser.evaluate("document.getElementById('stage').dataset.shown");
-    act();
-    browser.wait_for("document.getElementById('stage').dataset.shown !== " + before.dump());
-}
-
-// The canvas on the page, and the image that it shows fitted into it.
-struct Panel {
-    double x, y, width, height, scale;
-
-    explicit Panel(Browser& browser) {
-        middle_of(browser, "#view");
-        const json box = browser.evaluate("(() => { const b = document.getElementById('view').getBoundingClientRect(); "
-                                          "return [b.x, b.y, b.width, b.height]; })()");
-        x = box[0], y = box[1], width = box[2], height = box[3];
-        scale = std::min(width / 320.0, height / 180.0);
-    }
-    // The middle of an image pixel, counted from the top left.
-    Point of(int column, int row) const {
-        return {x + width / 2 + (column + 0.5 - 160.0) * scale, y + height / 2 + (row + 0.5 - 90.0) * scale};
-    }
-};
-
-// How bright the panel is painted at a point of the window.
-int gray_at(Browser& browser, const Panel& panel, Point at) {
-    return browser.evaluate("(() => { const copy = new OffscreenCanvas(1, 1).getContext('2d'); "
-                            "copy.drawImage(document.getElementById('view'), " +
-                            std::to_string(static_cast<int>(at.x - panel.x)) + ", " +
-                            std::to_string(static_cast<int>(at.y - panel.y)) +
-                            ", 1, 1, 0, 0, 1, 1); return copy.getImageData(0, 0, 1, 1).data[0]; })()");
-}
-
-// The lines of the read-out for the pixel that it is waited for: {name: text}.
-json read_out(Browser& browser, const std::string& pixel) {
-    browser.wait_for("document.querySelector('#readout dd').textContent === " + json(pixel).dump());
-    return browser.evaluate("Object.fromEntries([...document.querySelectorAll('#readout div')].map(row => "
-                            "[row.children[0].textContent, row.children[1].textContent]))");
-}
-
-std::string pixel_name(int column, int row) { return std::to_string(column) + ", " + std::to_string(row); }
-
-json texts(Browser& browser, const std::string& selector) {
-    return browser.evaluate("[...document.querySelectorAll(" + json(selector).dump() +
-                            ")].map(one => one.textContent)");
-}
-
-} // namespace
 
 TEST_CASE("browser: a report loads from disk without complaint and reads out the values of the EXR files",
           "[browser]") {
-    const std::string program = gnomon_tests::chromium_path();
+    const std::string program = chromium_path();
     if (program.empty()) return;
     Browser browser(program);
-    browser.open(rendered_folder() + "/report.html", ready);
+    browser.open(rendered_folder() + "/report.html", page_ready);
     const Image<float> truth = read_image(rendered_folder() + "/truth.exr").find("V")->values;
     const char* files[] = {"truth", "sm", "pcf", "pcf-2"};
     const json names =
@@ -128,7 +43,7 @@ TEST_CASE("browser: a report loads from disk without complaint and reads out the
             CHECK(std::abs(std::stod(lines[name].get<std::string>()) - value) < 0.51 / 64512 + 0.6e-5);
             CHECK(std::abs(std::stod(lines[truth_name].get<std::string>()) - reference) < 0.51 / 64512 + 0.6e-5);
             // What is painted there: the left image, as it stands left of the border.
-            const int painted = gray_at(browser, panel, at);
+            const int painted = color_at(browser, panel, at)[0];
             CHECK(painted == std::lround(value * 255.0));
         }
     }
@@ -136,10 +51,10 @@ TEST_CASE("browser: a report loads from disk without complaint and reads out the
 }
 
 TEST_CASE("browser: the table sorts by the column that is clicked and marks best and worst", "[browser]") {
-    const std::string program = gnomon_tests::chromium_path();
+    const std::string program = chromium_path();
     if (program.empty()) return;
     Browser browser(program);
-    browser.open(rendered_folder() + "/report.html", ready);
+    browser.open(rendered_folder() + "/report.html", page_ready);
     const json titles = texts(browser, ".results thead th");
     const auto column = std::find(titles.begin(), titles.end(), "RMSE") - titles.begin() + 1;
     REQUIRE(static_cast<size_t>(column) <= titles.size());
@@ -167,10 +82,10 @@ TEST_CASE("browser: the table sorts by the column that is clicked and marks best
 }
 
 TEST_CASE("browser: images wipe, zoom about the pointer and pan", "[browser]") {
-    const std::string program = gnomon_tests::chromium_path();
+    const std::string program = chromium_path();
     if (program.empty()) return;
     Browser browser(program);
-    browser.open(rendered_folder() + "/report.html", ready);
+    browser.open(rendered_folder() + "/report.html", page_ready);
     const Panel panel(browser);
     const Image<float> left = read_image(rendered_folder() + "/sm.exr").find("V")->values,
                        right = read_image(rendered_folder() + "/truth.exr").find("V")->values;
@@ -179,7 +94,7 @@ TEST_CASE("browser: images wipe, zoom about the pointer and pan", "[browser]") {
                right_gray = std::lround(right(column, 179 - row) * 255.0f);
     REQUIRE(left_gray != right_gray);
     const Point at = panel.of(column, row);
-    const auto painted = [&] { return gray_at(browser, panel, at); };
+    const auto painted = [&] { return color_at(browser, panel, at)[0]; };
     const auto border = [&] {
         return std::stod(
             browser.evaluate("document.getElementById('wipe').getAttribute('aria-valuenow')").get<std::string>());
@@ -224,10 +139,10 @@ TEST_CASE("browser: images wipe, zoom about the pointer and pan", "[browser]") {
 }
 
 TEST_CASE("browser: a report works with the keyboard alone and shows where the focus is", "[browser]") {
-    const std::string program = gnomon_tests::chromium_path();
+    const std::string program = chromium_path();
     if (program.empty()) return;
     Browser browser(program);
-    browser.open(rendered_folder() + "/report.html", ready);
+    browser.open(rendered_folder() + "/report.html", page_ready);
     std::vector<std::string> seen;
     for (int i = 0; i < 150; ++i) {
         browser.key("Tab", "Tab", 9);
@@ -266,11 +181,11 @@ TEST_CASE("browser: a report works with the keyboard alone and shows where the f
           0.51 / 64512 + 0.6e-5);
 
     // Every layer has its key, and the digits flip in place.
-    const std::pair<std::string, std::string> layers[] = {
-        {"e", "Signed error"}, {"m", "Magnitude"}, {"l", "Leaks"}, {"s", "Shaded"}, {"v", "Visibility"}};
+    const std::pair<char, std::string> layers[] = {{'e', "Signed error"}, {'m', "Magnitude"}, {'c', "False colours"},
+                                                   {'p', "FLIP"},         {'l', "Leaks"},     {'s', "Shaded"},
+                                                   {'v', "Visibility"}};
     for (const auto& layer : layers) {
-        const int upper = layer.first[0] - 'a' + 'A';
-        and_wait(browser, [&] { browser.key(layer.first, std::string("Key") + static_cast<char>(upper), upper); });
+        and_wait(browser, [&] { press_letter(browser, layer.first); });
         CHECK(browser.evaluate("document.getElementById('left-layer').selectedOptions[0].textContent") == layer.second);
     }
     and_wait(browser, [&] { browser.key("4", "Digit4", '4'); });
@@ -325,11 +240,11 @@ void check_contrasts(Browser& browser) {
 } // namespace
 
 TEST_CASE("browser: a report is readable in light, in dark and on paper", "[browser]") {
-    const std::string program = gnomon_tests::chromium_path();
+    const std::string program = chromium_path();
     if (program.empty()) return;
     Browser browser(program);
     browser.emulate("screen", "light");
-    browser.open(rendered_folder() + "/report.html", ready);
+    browser.open(rendered_folder() + "/report.html", page_ready);
     const std::string ground = "getComputedStyle(document.body).backgroundColor";
     CHECK(browser.evaluate(ground) == "rgb(246, 245, 242)");
     check_contrasts(browser);
@@ -354,7 +269,7 @@ TEST_CASE("browser: a report is readable in light, in dark and on paper", "[brow
     CHECK(pdf.rfind("%PDF-", 0) == 0);
     browser.emulate("screen", "light");
     browser.resize(1440, 900);
-    const std::string folder = gnomon_tests::temporary_folder();
+    const std::string folder = temporary_folder();
     write_text_file(folder + "/report.png", browser.screenshot());
     const ChannelImage picture = read_image(folder + "/report.png");
     CHECK(picture.width == 1440);
@@ -363,7 +278,7 @@ TEST_CASE("browser: a report is readable in light, in dark and on paper", "[brow
 }
 
 TEST_CASE("browser: a table of many metrics fits on paper", "[browser]") {
-    const std::string program = gnomon_tests::chromium_path();
+    const std::string program = chromium_path();
     if (program.empty()) return;
     ReportData data;
     data.views.resize(1);
@@ -374,12 +289,12 @@ TEST_CASE("browser: a table of many metrics fits on paper", "[browser]") {
             entry.visibility_metrics.emplace_back("penumbra_width_error_" + std::to_string(metric), 0.125 * i);
         data.entries.push_back(entry);
     }
-    const std::string page = gnomon_tests::temporary_folder() + "/report.html";
+    const std::string page = temporary_folder() + "/report.html";
     write_report(page, data);
     Browser browser(program);
     browser.emulate("print", "light");
     browser.resize(paper_width, 720);
-    browser.open(page, ready);
+    browser.open(page, page_ready);
     CHECK(browser.evaluate("document.querySelectorAll('.results thead th').length") == 25);
     CHECK(rightmost(browser) <= paper_width + 0.5);
     CHECK(browser.evaluate("Math.max(...[...document.querySelectorAll('.results td')].map(one => one.scrollWidth - "
@@ -388,7 +303,7 @@ TEST_CASE("browser: a table of many metrics fits on paper", "[browser]") {
 }
 
 TEST_CASE("browser: names are text, whatever they hold, and missing values are shown as missing", "[browser]") {
-    const std::string program = gnomon_tests::chromium_path();
+    const std::string program = chromium_path();
     if (program.empty()) return;
     const std::string hostile =
         "</script><img src=x onerror='window.broken = 1'>{{data}}<b>&amp;\"'`${window.broken = 1}";
@@ -412,12 +327,12 @@ TEST_CASE("browser: names are text, whatever they hold, and missing values are s
     }
     data.entries.push_back(data.entries[0]);
     data.entries[2].visibility_metrics = {{"rmse", 0.25}};
-    const std::string folder = gnomon_tests::temporary_folder();
+    const std::string folder = temporary_folder();
     for (const auto kind : {ReportData::Kind::Render, ReportData::Kind::Study}) {
         data.kind = kind;
         write_report(folder + "/report.html", data);
         Browser browser(program);
-        browser.open(folder + "/report.html", ready);
+        browser.open(folder + "/report.html", page_ready);
         CHECK(browser.evaluate("typeof window.broken") == "undefined");
         CHECK(browser.evaluate("document.querySelectorAll('img').length") == 0);
         CHECK(browser.evaluate("document.getElementById('title').textContent") == hostile);
@@ -436,14 +351,17 @@ TEST_CASE("browser: names are text, whatever they hold, and missing values are s
 
 TEST_CASE("browser: the picture of a report in the documentation", "[.report-image]") {
     // bin/demo makes the page; gnomon-tests "[.report-image]" the picture of it.
-    const std::string page = GNOMON_SOURCE "/out/demo/report.html", program = gnomon_tests::chromium_path();
+    const std::string page = GNOMON_SOURCE "/out/demo/report.html", program = chromium_path();
     if (program.empty()) return;
     REQUIRE(std::filesystem::exists(page));
     Browser browser(program);
     browser.emulate("screen", "light");
     browser.resize(1440, 1500);
-    browser.open(page, ready);
-    and_wait(browser, [&] { browser.key("5", "Digit5", '5'); });
+    browser.open(page, page_ready);
+    and_wait(browser, [&] {
+        browser.evaluate("[...document.querySelectorAll('#chips button')].find(chip => chip.lastChild.textContent === "
+                         "'percentage-closer soft shadows').click()");
+    });
     browser.evaluate("window.scrollTo({top: 0, behavior: 'instant'})");
     const double bottom = // after the third row of the table
         browser.evaluate("document.querySelector('.results tbody tr:nth-child(3)').getBoundingClientRect().bottom");
