@@ -8,6 +8,7 @@
 #endif
 
 #include "raster/depth_bounds-inl.h"
+#include "raster/stencil_counts-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
@@ -97,8 +98,9 @@ HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, c
             if (!bits) continue;
             Lanes in[int_parts];
             for (std::size_t p = 0; p < int_parts; ++p) in[p] = mask_of(i, bits >> (p * int_lanes));
-            passed |= test_patch<with_ids, less>(state, tile, depth, columns[right], rows, block + at, in, all, id)
-                      << at;
+            passed |=
+                test_patch<with_ids, less, false>(state, tile, depth, columns[right], rows, block + at, in, all, id)
+                << at;
         }
     }
     return passed;
@@ -132,22 +134,6 @@ HWY_NOINLINE void fill_block(DepthTile& tile, const DepthKeys<kind>& depth, int 
     }
 }
 
-// Adds `step` to the counters of a block, modulo their range.
-template <class T> HWY_INLINE void count_block(T* counters, std::uint64_t pixels, std::int8_t step) {
-    const hn::CappedTag<T, 64> d;
-    constexpr std::size_t lanes = hn::MaxLanes(d);
-    const auto steps = hn::Set(d, static_cast<T>(step));
-    for (std::size_t at = 0; at < 64; at += lanes) {
-        const auto old = hn::LoadU(d, counters + at);
-        std::uint8_t bits[8];
-        const std::uint64_t part = pixels >> at;
-        for (std::size_t k = 0; k < 8; ++k) bits[k] = static_cast<std::uint8_t>(part >> (8 * k));
-        hn::StoreU(hn::Add(old, hn::IfThenElseZero(hn::LoadMaskBits(d, bits), steps)), d, counters + at);
-    }
-}
-
-HWY_INLINE int bit_count(std::uint64_t bits) { return static_cast<int>(hwy::PopCount(bits)); }
-
 // Pixels of a block in columns from c on, up to c, and so for rows.
 struct BlockMasks {
     std::uint64_t from_column[8] = {}, to_column[8] = {}, from_row[8] = {}, to_row[8] = {};
@@ -168,22 +154,6 @@ constexpr BlockMasks block_masks;
 HWY_INLINE std::uint64_t box_pixels(const LocalBox& box, int x, int y) {
     return block_masks.from_column[most(box.x0 - x, 0)] & block_masks.to_column[least(box.x1 - x, 7)] &
            block_masks.from_row[most(box.y0 - y, 0)] & block_masks.to_row[least(box.y1 - y, 7)];
-}
-
-// Adds what passed and what failed to the stencil.
-template <ListMode mode>
-HWY_INLINE void count_fragments(const ListState& state, DepthTile& tile, bool front, int block, std::uint64_t covered,
-                                std::uint64_t passed, TileCounts& counts) {
-    const auto update = [&](std::uint64_t pixels, std::int8_t step) {
-        if (!step || !pixels) return;
-        counts.counted += bit_count(pixels);
-        if constexpr (mode == ListMode::Count8)
-            count_block(tile.count8 + 64 * block, pixels, step);
-        else
-            count_block(tile.count32 + 64 * block, pixels, step);
-    };
-    update(passed, state.counts[front][1]);
-    update(covered & ~passed, state.counts[front][0]);
 }
 
 } // namespace gnomon::detail::HWY_NAMESPACE

@@ -135,8 +135,9 @@ template <bool less> HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored
     return hn::Ne(fresh, fresh);
 }
 
-// Tests a patch, of which `in` are the pixels that count, and stores what passes, depth and id; the pixels that pass.
-template <bool with_ids, bool less, KeyKind kind>
+// Tests a patch, of which `in` are the pixels that count, or with `whole` all, and stores what passes, depth and id;
+// the pixels that pass.
+template <bool with_ids, bool less, bool whole, KeyKind kind>
 HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth,
                                     const typename DepthKeys<kind>::Columns& columns,
                                     const typename DepthKeys<kind>::Rows& rows, std::size_t at, const Lanes* in,
@@ -145,7 +146,11 @@ HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, con
     std::uint64_t passed = 0;
     for (std::size_t p = 0; p < int_parts; ++p, at += int_lanes) {
         const Int fresh = depth.at(columns, rows, p), stored = hn::Load(i, tile.depth + at);
-        const Lanes pass = all ? in[p] : hn::And(passes<less>(state.test, fresh, stored), in[p]);
+        Lanes pass;
+        if constexpr (whole)
+            pass = passes<less>(state.test, fresh, stored);
+        else
+            pass = all ? in[p] : hn::And(passes<less>(state.test, fresh, stored), in[p]);
         // Whole vectors, so that the next load need not wait for a part of one.
         if (state.write) hn::Store(hn::IfThenElse(pass, fresh, stored), i, tile.depth + at);
         if constexpr (with_ids) {

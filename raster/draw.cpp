@@ -175,6 +175,7 @@ void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast,
         std::vector<TileList> lists;
         std::vector<std::uint16_t> merged;
         for (size_t k = begin; k < end; ++k) draw_tile(k, lists, merged, tile_counters[begin / grain]);
+        _mm_sfence(); // what was streamed is seen by whoever comes next
     });
     for (const PassCounters& c : tile_counters) counters.add(c);
 }

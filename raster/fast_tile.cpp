@@ -67,12 +67,12 @@ template <class T> void copy_out(std::byte* to, const T* from, int count) {
         std::memcpy(to, from, static_cast<size_t>(count) * sizeof(T));
 }
 
-void load_depth(const Target& target, const Targets& targets, bool load, DepthTile& tile) {
+void load_depth(const Target& target, const Targets& targets, bool load, const Kernels& kernels, DepthTile& tile) {
     tile.unknown = ~std::uint64_t{0}, tile.loose = 0;
     if (load && targets.clear_depth) {
         const auto key =
             static_cast<std::int32_t>(depth_key(target.format(), static_cast<double>(*targets.clear_depth)));
-        std::fill_n(tile.depth, tile_pixels, key);
+        kernels.fill_tile(tile.depth, key);
         std::fill_n(tile.nearest, tile_blocks * tile_blocks, key);
         std::fill_n(tile.farthest, tile_blocks * tile_blocks, key);
         tile.unknown = 0;
@@ -93,20 +93,16 @@ void load_depth(const Target& target, const Targets& targets, bool load, DepthTi
     });
 }
 
-// A patch's row past the caches: four of them fill a cache line in order.
-void stream_out(std::byte* to, const std::int32_t* from, int) {
-    _mm_stream_si128(reinterpret_cast<__m128i*>(to), _mm_load_si128(reinterpret_cast<const __m128i*>(from)));
-}
-
-void store_depth(Target& target, const Targets& targets, const DepthTile& tile) {
+void store_depth(Target& target, const Targets& targets, const DepthTile& tile, const Kernels& kernels) {
     if (target.texel_bytes() == 4) {
-        const std::byte* first = target.texel(tile.x, tile.y, targets.layer, targets.level);
-        const size_t row_bytes = static_cast<size_t>(target.width(targets.level)) * 4;
-        const bool aligned = (reinterpret_cast<std::uintptr_t>(first) | row_bytes) % 64 == 0;
-        if (is_streamed(target) && aligned && extent_of(target, targets.level, tile.x, tile.y).columns == tile_side)
-            for_each_patch_row(target, targets, tile, tile.depth, stream_out);
-        else
+        if (!extent_of(target, targets.level, tile.x, tile.y).whole()) {
             for_each_patch_row(target, targets, tile, tile.depth, copy_out<std::int32_t>);
+            return;
+        }
+        std::byte* first = target.texel(tile.x, tile.y, targets.layer, targets.level);
+        const size_t stride = static_cast<size_t>(target.width(targets.level)) * 4;
+        const bool aligned = (reinterpret_cast<std::uintptr_t>(first) | stride) % 64 == 0;
+        kernels.store_tile(tile.depth, first, stride, aligned && is_streamed(target));
         return;
     }
     for_each_patch_row(target, targets, tile, tile.depth, [](std::byte* to, const std::int32_t* from, int count) {
@@ -292,9 +288,10 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
     const Targets& targets = *draw.targets;
     DepthTile tile;
     tile.x = tile_x, tile.y = tile_y;
-    load_depth(*targets.depth, targets, load, tile);
+    load_depth(*targets.depth, targets, load, *draw.kernels, tile);
     if (load) fill_others(targets, state, tile);
-    if (state.mode == ListMode::Ids) std::fill_n(tile.id, tile_pixels, DepthTile::no_id);
+    if (state.mode == ListMode::Ids)
+        draw.kernels->fill_tile(reinterpret_cast<std::int32_t*>(tile.id), static_cast<std::int32_t>(DepthTile::no_id));
     if (state.mode == ListMode::Count8) load_counters(*targets.stencil, targets, load, tile, tile.count8);
     if (state.mode == ListMode::Count32) load_counters(*targets.stencil, targets, load, tile, tile.count32);
 
@@ -304,7 +301,8 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
         kernel(state, tile, lists[k].triangles->data.get(), lists[k].indices.data(), lists[k].indices.size(),
                static_cast<std::uint32_t>(k * most_triangles_of_a_list), counts);
 
-    if ((state.write && counts.passed) || (load && targets.clear_depth)) store_depth(*targets.depth, targets, tile);
+    if ((state.write && counts.passed) || (load && targets.clear_depth))
+        store_depth(*targets.depth, targets, tile, *draw.kernels);
     if (counts.counted || (load && targets.clear_stencil)) {
         if (state.mode == ListMode::Count8) store_counters(*targets.stencil, targets, tile, tile.count8);
         if (state.mode == ListMode::Count32) store_counters(*targets.stencil, targets, tile, tile.count32);
@@ -313,7 +311,6 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
     if (state.mode == ListMode::Ids && (counts.passed || clear_color))
         shade_visible(draw, tile, clear_color, lists, counters);
 
-    _mm_sfence(); // what was streamed is seen by whoever comes next
     const std::int64_t depth_bytes = info(targets.depth->format()).bytes;
     const bool stencil = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
     const std::int64_t stencil_bytes = stencil ? info(targets.stencil->format()).bytes : 0;

@@ -69,6 +69,40 @@ void varyings(const float* v0, const float* v1, const float* v2, std::size_t cou
     }
 }
 
+void fill_tile(std::int32_t* tile, std::int32_t word) {
+    const hn::CappedTag<std::int32_t, patch_pixels> d;
+    const auto words = hn::Set(d, word);
+    for (std::size_t at = 0; at < tile_pixels; at += hn::Lanes(d)) hn::Store(words, d, tile + at);
+}
+
+// The words of one row in `lanes / 4` patches side by side, the first of which is at `patch`.
+template <class D> HWY_INLINE hn::Vec<D> across_patches(D d, const std::int32_t* patch) {
+    constexpr std::size_t lanes = hn::MaxLanes(D());
+    if constexpr (lanes <= patch_side) {
+        return hn::LoadU(d, patch);
+    } else {
+        const hn::Half<D> half;
+        // From an even number of patches to as many more is to the next block, but from one to the next in a block.
+        constexpr std::size_t next = lanes == 2 * patch_side ? patch_pixels : block_pixels;
+        return hn::Combine(d, across_patches(half, patch + next), across_patches(half, patch));
+    }
+}
+
+void store_tile(const std::int32_t* tile, std::byte* rows, std::size_t stride, bool stream) {
+    const hn::CappedTag<std::int32_t, patch_pixels> d;
+    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<std::int32_t, patch_pixels>());
+    for (int y = 0; y < tile_side; ++y, rows += stride) {
+        auto* to = reinterpret_cast<std::int32_t*>(rows);
+        for (int x = 0; x < tile_side; x += static_cast<int>(lanes)) {
+            const auto words = across_patches(d, tile + place_in_tile(x & -patch_side, y) + (x & (patch_side - 1)));
+            if (stream)
+                hn::Stream(words, d, to + x);
+            else
+                hn::StoreU(words, d, to + x);
+        }
+    }
+}
+
 std::uint64_t equal_ids(const std::uint32_t* ids, std::uint32_t id) {
     const hn::CappedTag<std::uint32_t, 16> u;
     const auto wanted = hn::Set(u, id);
@@ -144,11 +178,14 @@ std::uint64_t test_d32f(const SetupTriangle& t, int x, int y, std::uint64_t mask
 
 const Kernels* table() {
 #if HWY_TARGET == HWY_AVX3
-    static constexpr Kernels kernels = {"avx512", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx512",  coverage,  depth,      barycentrics, varyings,
+                                        test_d32f, fill_tile, store_tile, equal_ids};
 #elif HWY_TARGET == HWY_AVX2
-    static constexpr Kernels kernels = {"avx2", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx2",    coverage,  depth,      barycentrics, varyings,
+                                        test_d32f, fill_tile, store_tile, equal_ids};
 #else
-    static constexpr Kernels kernels = {"plain", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"plain",   coverage,  depth,      barycentrics, varyings,
+                                        test_d32f, fill_tile, store_tile, equal_ids};
 #endif
     return &kernels;
 }

@@ -108,6 +108,7 @@ TileEdges tile_edges(const SetupTriangle& t, bool conservative, int tile_x, int 
         const std::int64_t most = base + span * (std::max<std::int64_t>(a, 0) + std::max<std::int64_t>(b, 0));
         const bool inside = least >= 0;
         edges.empty |= most < 0;
+        edges.crossed |= !inside;
         edges.base[e] = inside || most < 0 ? 0 : static_cast<std::int32_t>(base);
         edges.a[e] = inside ? 0 : static_cast<std::int32_t>(a);
         edges.b[e] = inside ? 0 : static_cast<std::int32_t>(b);

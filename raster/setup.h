@@ -67,7 +67,7 @@ inline constexpr int tile_side = 1 << tile_shift; // pixels: every edge function
 // with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
 struct TileEdges {
     std::int32_t base[3], a[3], b[3];
-    bool empty = false;
+    bool empty = false, crossed = false; // the tile lies outside of an edge; on both sides of one
 };
 TileEdges tile_edges(const SetupTriangle& triangle, bool conservative, int tile_x, int tile_y);
 
