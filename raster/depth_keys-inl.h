@@ -7,6 +7,8 @@
 #define GNOMON_DEPTH_KEYS_INL
 #endif
 
+#include <bit>
+
 #include "raster/depth_tile.h"
 #include "raster/kernels-inl.h"
 
@@ -104,6 +106,10 @@ template <KeyKind kind> struct DepthKeys {
 
 private:
     HWY_INLINE std::int32_t limit(float depth) const {
+        if constexpr (kind == KeyKind::Float) {
+            depth = depth < 1.0f ? depth : 1.0f;
+            return std::bit_cast<std::int32_t>(depth > 0.0f ? depth : 0.0f);
+        }
         const hn::CappedTag<double, 1> d;
         const double z = static_cast<double>(depth) + offset;
         const auto inside = hn::Min(hn::Max(hn::Set(d, z), hn::Zero(d)), hn::Set(d, 1.0));

@@ -105,9 +105,9 @@ void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* tria
         const SetupTriangle& t = triangles[list[k]];
         const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
-        if (t.small && (box.x1 >> 2) - (box.x0 >> 2) > 2)
+        if (t.extent != Extent::Large && (box.x1 >> 2) - (box.x0 >> 2) > 2)
             draw_medium<mode, kind, less>(state, tile, t, box, id, counts);
-        else if (t.small)
+        else if (t.extent != Extent::Large)
             draw_small<mode, kind, less>(state, tile, t, box, id, counts);
         else
             draw_blocks<mode, kind, less>(state, tile, t, box, id, counts);

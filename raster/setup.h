@@ -30,6 +30,11 @@ struct Plane {
     double value, dx, dy; // at the triangle's anchor, and per pixel
 };
 
+// Small: at most 64 pixels wide and high before any box cut it, so that edge functions around it fit 32 bits, and
+// floats. SmallCut: small, but its edges alone do not tell what is inside: the target's or scissor's edge cuts it, or
+// it is drawn conservatively.
+enum class Extent : std::uint8_t { Large, SmallCut, Small };
+
 struct SetupTriangle {
     std::int32_t x[4], y[4]; // snapped corners in 1/256 pixel, counter-clockwise from the anchor; [3] is [0] again
     float depth;             // window depth at the anchor
@@ -42,8 +47,7 @@ struct SetupTriangle {
     std::uint8_t first;           // which submitted corner is the anchor; of a piece: of its own corners
     bool reversed;                // the corners run against the order of submission
     bool front;
-    bool small; // at most 64 pixels wide and high before any box cut it: edge functions around it fit 32 bits, and
-                // floats
+    Extent extent;
 
     static constexpr std::uint32_t whole = 0xffffffffu;
 

@@ -200,7 +200,7 @@ struct FinishedPart {
     alignas(64) std::int32_t x[3][lanes], y[3][lanes];
     alignas(64) float z[lanes], z_minimum[lanes], z_maximum[lanes];
     alignas(64) double dx[lanes], dy[lanes];
-    alignas(64) std::int32_t x0[lanes], y0[lanes], x1[lanes], y1[lanes], first[lanes], reversed[lanes], small[lanes];
+    alignas(64) std::int32_t x0[lanes], y0[lanes], x1[lanes], y1[lanes], first[lanes], reversed[lanes], extent[lanes];
 };
 
 void finish_part(const SetupState& state, const Survivors& in, std::size_t at, FinishedPart& out) {
@@ -268,11 +268,18 @@ void finish_part(const SetupState& state, const Survivors& in, std::size_t at, F
     const V limit = hn::Set(i, 64);
     const auto small =
         hn::And(hn::Lt(hn::Sub(columns.last, columns.first), limit), hn::Lt(hn::Sub(rows.last, rows.first), limit));
-    hn::StoreU(hn::IfThenElseZero(small, hn::Set(i, 1)), i, out.small);
+    const auto whole_columns = columns, whole_rows = rows;
     columns.clamp(i, state.drawable.x, state.drawable.width);
     rows.clamp(i, state.drawable.y, state.drawable.height);
     hn::StoreU(columns.first, i, out.x0), hn::StoreU(columns.last, i, out.x1);
     hn::StoreU(rows.first, i, out.y0), hn::StoreU(rows.last, i, out.y1);
+    const auto kept =
+        hn::And(hn::And(hn::Eq(columns.first, whole_columns.first), hn::Eq(columns.last, whole_columns.last)),
+                hn::And(hn::Eq(rows.first, whole_rows.first), hn::Eq(rows.last, whole_rows.last)));
+    const auto extent = [](Extent e) { return static_cast<std::int32_t>(e); };
+    const V uncut = hn::Set(i, extent(state.conservative ? Extent::SmallCut : Extent::Small));
+    const V small_extent = hn::IfThenElse(kept, uncut, hn::Set(i, extent(Extent::SmallCut)));
+    hn::StoreU(hn::IfThenElse(small, small_extent, hn::Set(i, extent(Extent::Large))), i, out.extent);
     for (int c = 0; c < 3; ++c) hn::StoreU(v.x[c], i, out.x[c]), hn::StoreU(v.y[c], i, out.y[c]);
 }
 
@@ -295,7 +302,7 @@ void finish(const SetupState& state, const Survivors& in, SetupTriangle* triangl
             t.reversed = part.reversed[k] != 0;
             t.front = ((part.reversed[k] == 0) != (in.mirrored[at + k] != 0)) ==
                       (state.front_face == FrontFace::CounterClockwise);
-            t.small = part.small[k] != 0;
+            t.extent = static_cast<Extent>(part.extent[k]);
         }
     }
 }

@@ -141,14 +141,16 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
     DrawnPixels drawn;
     for (int y = y0; y <= box.y1; y += patch_side) {
         const auto rows = depth.rows(tile.y + y);
-        const std::uint32_t in_rows = row_pixels(box, y);
         PatchEdges<float> edges = row_edges;
         auto columns = first_columns;
         for (int x = x0;;) {
-            const std::uint32_t in_box = in_rows & column_pixels(box, x);
             Lanes inside[int_parts];
-            for (std::size_t p = 0; p < int_parts; ++p)
-                inside[p] = hn::And(edges.inside(p), mask_of(i, in_box >> (p * int_lanes)));
+            for (std::size_t p = 0; p < int_parts; ++p) inside[p] = edges.inside(p);
+            if (t.extent != Extent::Small) {
+                const std::uint32_t in_box = row_pixels(box, y) & column_pixels(box, x);
+                for (std::size_t p = 0; p < int_parts; ++p)
+                    inside[p] = hn::And(inside[p], mask_of(i, in_box >> (p * int_lanes)));
+            }
             draw_patch<mode, less, false>(state, tile, t.front, depth, columns, rows, place_in_tile(x, y), inside, id,
                                           drawn, counts);
             x += patch_side;
