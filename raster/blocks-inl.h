@@ -85,13 +85,13 @@ template <bool with_ids, KeyKind kind, bool less>
 HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth, int x,
                                       int y, std::uint64_t covered, bool all, std::uint32_t id) {
     const Ints i;
-    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(tile.x + x),
-                                                          depth.columns(tile.x + x + patch_side)};
+    const auto column = static_cast<std::size_t>(x / patch_side), row = static_cast<std::size_t>(y / patch_side);
+    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(column), depth.columns(column + 1)};
     std::uint64_t passed = 0;
     const std::size_t block = place_in_tile(x, y);
     for (std::size_t up = 0; up < 2; ++up) {
         if (!(covered >> (32 * up) & 0xffffffffu)) continue;
-        const auto rows = depth.rows(tile.y + y + static_cast<int>(up) * patch_side);
+        const auto rows = depth.rows(row + up);
         for (std::size_t right = 0; right < 2; ++right) {
             const std::size_t at = (2 * up + right) * patch_pixels;
             const std::uint64_t bits = covered >> at & 0xffff;
@@ -123,11 +123,11 @@ HWY_NOINLINE void fill_block(DepthTile& tile, const DepthKeys<kind>& depth, int 
         for (std::size_t p = 0; p < block_pixels / int_lanes; ++p) fill(constant);
         return;
     }
-    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(tile.x + x),
-                                                          depth.columns(tile.x + x + patch_side)};
+    const auto column = static_cast<std::size_t>(x / patch_side), row = static_cast<std::size_t>(y / patch_side);
+    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(column), depth.columns(column + 1)};
     const bool clamped = low <= depth.low || high >= depth.high;
-    for (int up = 0; up < 2; ++up) {
-        const auto rows = depth.rows(tile.y + y + up * patch_side);
+    for (std::size_t up = 0; up < 2; ++up) {
+        const auto rows = depth.rows(row + up);
         for (std::size_t right = 0; right < 2; ++right)
             for (std::size_t p = 0; p < int_parts; ++p)
                 fill(clamped ? depth.at(columns[right], rows, p) : depth.unclamped(columns[right], rows, p));

@@ -26,7 +26,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
     if constexpr (!counting)
         if (tile_edge.crossed) return draw_large<mode, kind, less>(state, tile, t, box, tile_edge, id, counts);
     const BlockEdges edges(tile_edge);
-    const DepthKeys<kind> depth(t, state.key_scale);
+    const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
     const std::uint32_t columns = (2u << c1) - (1u << c0);
     // Columns of blocks that the box holds whole.
@@ -49,7 +49,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
         const int first = r * tile_blocks;
         Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
         if (large && touched & ~(verdicts.all | verdicts.none)) { // what the whole triangle's range leaves open
-            bound_depths(depth, tile.x, tile.y + y, low, high);
+            bound_depths(depth, y, low, high);
             prepare_bounds(state, tile, r, touched, low, high);
             verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
             bounded = true;

@@ -128,36 +128,51 @@ HWY_INLINE std::uint32_t column_pixels(const LocalBox& box, int x) {
     return ((0xfu >> most(x + 3 - box.x1, 0)) & (0xfu << most(box.x0 - x, 0)) & 0xf) * 0x1111u;
 }
 
+// Where the n-th patch of a row of patches lies in the tile.
+struct PatchOffsets {
+    std::uint16_t column[tile_patches], row[tile_patches];
+    constexpr PatchOffsets() : column(), row() {
+        for (std::size_t n = 0; n < tile_patches; ++n) {
+            column[n] = static_cast<std::uint16_t>(place_in_tile(static_cast<int>(n) * patch_side, 0));
+            row[n] = static_cast<std::uint16_t>(place_in_tile(0, static_cast<int>(n) * patch_side));
+        }
+    }
+};
+constexpr PatchOffsets patch_offsets;
+HWY_INLINE std::size_t place_of_patch(int column, int row) {
+    return std::size_t{patch_offsets.column[column]} + patch_offsets.row[row];
+}
+
 // A triangle of few patches: one after the other, without asking which it touches.
 template <ListMode mode, KeyKind kind, bool less>
 HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                              std::uint32_t id, TileCounts& counts) {
     const Ints i;
-    const DepthKeys<kind> depth(t, state.key_scale);
-    const int x0 = box.x0 & -patch_side, y0 = box.y0 & -patch_side;
-    const SmallEdges small(t, state.conservative, tile.x + x0, tile.y + y0);
+    const DepthKeys<kind> depth(t, tile, state.key_scale);
+    const int first = box.x0 / patch_side, last = box.x1 / patch_side, first_row = box.y0 / patch_side;
+    const SmallEdges small(t, state.conservative, tile.x + first * patch_side, tile.y + first_row * patch_side);
     PatchEdges<float> row_edges(small.base, small.a, small.b);
-    const auto first_columns = depth.columns(tile.x + x0);
+    const auto first_columns = depth.columns(static_cast<std::size_t>(first));
     DrawnPixels drawn;
-    for (int y = y0; y <= box.y1; y += patch_side) {
-        const auto rows = depth.rows(tile.y + y);
+    for (int row = first_row, last_row = box.y1 / patch_side;;) {
+        const auto rows = depth.rows(static_cast<std::size_t>(row));
         PatchEdges<float> edges = row_edges;
         auto columns = first_columns;
-        for (int x = x0;;) {
+        for (int n = first;;) {
             Lanes inside[int_parts];
             for (std::size_t p = 0; p < int_parts; ++p) inside[p] = edges.inside(p);
             if (t.extent != Extent::Small) {
-                const std::uint32_t in_box = row_pixels(box, y) & column_pixels(box, x);
+                const std::uint32_t in_box = row_pixels(box, row * patch_side) & column_pixels(box, n * patch_side);
                 for (std::size_t p = 0; p < int_parts; ++p)
                     inside[p] = hn::And(inside[p], mask_of(i, in_box >> (p * int_lanes)));
             }
-            draw_patch<mode, less, false>(state, tile, t.front, depth, columns, rows, place_in_tile(x, y), inside, id,
-                                          drawn, counts);
-            x += patch_side;
-            if (x > box.x1) break;
+            draw_patch<mode, less, false>(state, tile, t.front, depth, columns, rows, place_of_patch(n, row), inside,
+                                          id, drawn, counts);
+            if (++n > last) break;
             edges.move(edges.right);
-            columns = depth.columns(tile.x + x);
+            columns = depth.columns(static_cast<std::size_t>(n));
         }
+        if (++row > last_row) break;
         row_edges.move(row_edges.up);
     }
     drawn.add_to(counts, state, tile, box);
@@ -217,24 +232,23 @@ template <ListMode mode, KeyKind kind, bool less, class T>
 HWY_INLINE void draw_rows(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box, int y0,
                           const T* base, const T* a, const T* b, std::uint32_t id, TileCounts& counts) {
     const Ints i;
-    const DepthKeys<kind> depth(t, state.key_scale);
+    const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int first = box.x0 / patch_side, last = box.x1 / patch_side;
     PatchEdges<T> edges(base, a, b);
     RowOfPatches<T> row(edges, base, a, b);
     const std::uint32_t box_columns = (2u << last) - (1u << first);
     const std::uint32_t left = column_pixels(box, first * patch_side), right = column_pixels(box, last * patch_side);
     typename DepthKeys<kind>::Columns columns[patch_pixels];
-    for (int n = first; n <= last; ++n) columns[n] = depth.columns(tile.x + n * patch_side);
+    for (int n = first; n <= last; ++n) columns[n] = depth.columns(static_cast<std::size_t>(n));
     // Columns of patches that the box holds whole: of those that an edge covers it may still cut some away.
     const std::uint32_t whole_columns =
         box_columns & ~((left != 0xffff ? 1u << first : 0) | (right != 0xffff ? 1u << last : 0));
     DrawnPixels drawn;
     for (int y = y0; y <= box.y1; y += patch_side) {
-        const auto rows = depth.rows(tile.y + y);
+        const auto rows = depth.rows(static_cast<std::size_t>(y / patch_side));
         const std::uint32_t in_rows = row_pixels(box, y), touched = row.touched() & box_columns;
         const std::uint32_t whole = in_rows == 0xffff ? row.whole() & whole_columns : 0;
-        const std::size_t at = place_in_tile(0, y);
-        const auto place = [&](std::size_t n) { return at + place_in_tile(static_cast<int>(n) * patch_side, 0); };
+        const auto place = [&](std::size_t n) { return place_of_patch(static_cast<int>(n), y / patch_side); };
         for (std::uint32_t rest = whole; rest; rest &= rest - 1) {
             const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
             draw_patch<mode, less, true>(state, tile, t.front, depth, columns[n], rows, place(n), nullptr, id, drawn,
