@@ -65,9 +65,9 @@ void clip_triangle(const SetupState& state, const std::array<vec4, 3>& corners, 
     for (std::uint32_t i = 1; static_cast<int>(i) + 1 < polygon.count; ++i)
         if (corner(0).position.w > 0 && corner(i).position.w > 0 && corner(i + 1).position.w > 0)
             fan[pieces++] = {0, i, i + 1};
-    const size_t before = survivors.count;
+    const size_t before = survivors.count, empty_before = survivors.empty;
     detail::setup_kernels().cull(state, window.data(), fan.data(), pieces, 0, polygon.mirrored, survivors);
-    if (survivors.count == before) ++out.counts.culled;
+    if (survivors.count == before && survivors.empty == empty_before) ++out.counts.culled;
     for (size_t k = before; k < survivors.count; ++k) {
         const uvec3 piece = fan[survivors.primitive[k]];
         survivors.primitive[k] = primitive;
@@ -173,10 +173,10 @@ void set_up_triangles(const SetupState& state, const vec4* positions, const Wind
     };
     for (size_t i = 0; i < triangles.size();) {
         if (survivors.count + step + most_pieces > Survivors::capacity) flush();
-        const size_t count = std::min(step, triangles.size() - i), before = survivors.count;
+        const size_t count = std::min(step, triangles.size() - i), before = survivors.count + survivors.empty;
         const size_t seen =
             kernels.cull(state, window, &triangles[i], count, first + static_cast<std::uint32_t>(i), false, survivors);
-        out.counts.culled += static_cast<std::int64_t>(seen - (survivors.count - before));
+        out.counts.culled += static_cast<std::int64_t>(seen - (survivors.count + survivors.empty - before));
         i += seen;
         if (seen == count) continue;
         const uvec3 t = triangles[i];

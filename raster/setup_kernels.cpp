@@ -116,6 +116,29 @@ template <class D, class V> struct PixelRange {
     }
 };
 
+// Which triangles hold none of the four pixel centres from (column, row) on; those must be all that their boxes hold.
+// Coordinates around such a small triangle are small, so that 32 bits hold its edge functions.
+template <class D, class V, class M>
+HWY_INLINE auto holds_no_centre(D d, const CornerCoordinates<V>& v, M clockwise, V column, V row) {
+    const V x[3] = {v.x[0], hn::IfThenElse(clockwise, v.x[2], v.x[1]), hn::IfThenElse(clockwise, v.x[1], v.x[2])};
+    const V y[3] = {v.y[0], hn::IfThenElse(clockwise, v.y[2], v.y[1]), hn::IfThenElse(clockwise, v.y[1], v.y[2])};
+    const V centre_x = hn::Add(hn::ShiftLeft<8>(column), hn::Set(d, 128));
+    const V centre_y = hn::Add(hn::ShiftLeft<8>(row), hn::Set(d, 128));
+    V outside[4]; // its sign
+    for (int e = 0; e < 3; ++e) {
+        const int next = (e + 1) % 3;
+        const V a = hn::Sub(y[e], y[next]), b = hn::Sub(x[next], x[e]);
+        // The fill rule's −1 on exclusive edges: a < 0, or a = 0 and b < 0.
+        const auto exclusive = hn::Or(hn::Lt(a, hn::Zero(d)), hn::And(hn::Eq(a, hn::Zero(d)), hn::Lt(b, hn::Zero(d))));
+        const V at = hn::Add(hn::Add(hn::Mul(a, hn::Sub(centre_x, x[e])), hn::Mul(b, hn::Sub(centre_y, y[e]))),
+                             hn::VecFromMask(d, exclusive));
+        const V right = hn::Add(at, hn::ShiftLeft<8>(a)), up = hn::ShiftLeft<8>(b);
+        const V values[4] = {at, right, hn::Add(at, up), hn::Add(right, up)};
+        for (int k = 0; k < 4; ++k) outside[k] = e == 0 ? values[k] : hn::Or(outside[k], values[k]);
+    }
+    return hn::Lt(hn::And(hn::And(outside[0], outside[1]), hn::And(outside[2], outside[3])), hn::Zero(d));
+}
+
 // The lanes below `count` of one vector of triangles. Returns how many lanes were looked at.
 std::size_t cull_part(const SetupState& state, const std::int32_t* window, const std::uint32_t* triangles,
                       std::size_t count, std::uint32_t first, bool mirrored, Survivors& out) {
@@ -157,9 +180,18 @@ std::size_t cull_part(const SetupState& state, const std::int32_t* window, const
     const bool whole_pixels = state.conservative || state.multisampled;
     PixelRange<decltype(i), hn::Vec<decltype(i)>> columns(i, v.x[0], v.x[1], v.x[2], whole_pixels);
     PixelRange<decltype(i), hn::Vec<decltype(i)>> rows(i, v.y[0], v.y[1], v.y[2], whole_pixels);
+    const auto tiny = hn::And(hn::Lt(hn::Sub(columns.last, columns.first), hn::Set(i, 2)),
+                              hn::Lt(hn::Sub(rows.last, rows.first), hn::Set(i, 2)));
+    const auto column = columns.first, row = rows.first;
     columns.clamp(i, state.drawable.x, state.drawable.width);
     rows.clamp(i, state.drawable.y, state.drawable.height);
     alive = hn::AndNot(hn::Or(hn::Gt(columns.first, columns.last), hn::Gt(rows.first, rows.last)), alive);
+    const auto suspect = hn::And(alive, tiny);
+    if (!whole_pixels && !hn::AllFalse(i, suspect)) {
+        const auto empty = hn::And(suspect, holds_no_centre(i, v, hn::RebindMask(i, negative), column, row));
+        out.empty += hn::CountTrue(i, empty);
+        alive = hn::AndNot(empty, alive);
+    }
     if (hn::AllFalse(i, alive)) return count;
 
     const std::size_t at = out.count;
