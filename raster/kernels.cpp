@@ -77,15 +77,16 @@ void fill_tile(std::int32_t* tile, std::int32_t word) {
 
 // The words of one row in `lanes / 4` patches side by side, the first of which is at `patch`.
 template <class D> HWY_INLINE hn::Vec<D> across_patches(D d, const std::int32_t* patch) {
+#if HWY_TARGET != HWY_SCALAR
     constexpr std::size_t lanes = hn::MaxLanes(D());
-    if constexpr (lanes <= patch_side) {
-        return hn::LoadU(d, patch);
-    } else {
+    if constexpr (lanes > patch_side) {
         const hn::Half<D> half;
         // From an even number of patches to as many more is to the next block, but from one to the next in a block.
         constexpr std::size_t next = lanes == 2 * patch_side ? patch_pixels : block_pixels;
         return hn::Combine(d, across_patches(half, patch + next), across_patches(half, patch));
-    }
+    } else
+#endif
+        return hn::LoadU(d, patch);
 }
 
 void store_tile(const std::int32_t* tile, std::byte* rows, std::size_t stride, bool stream) {
