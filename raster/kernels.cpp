@@ -42,12 +42,12 @@ void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, 
                 return hn::Add(hn::Set(d, plane.value + plane.dy * up), hn::Mul(hn::Set(d, plane.dx), columns[p]));
             };
             const std::size_t at = 8 * static_cast<std::size_t>(j) + p * lanes;
-            const auto over_w = value(planes.inverse_w);
+            const auto over_w = value(planes.inverse_w());
             const auto w = hn::Div(hn::Set(d, 1.0), over_w);
             const auto lanes_in = mask_of(f, (mask & 0xff) >> (p * lanes));
             hn::BlendedStore(hn::DemoteTo(f, over_w), lanes_in, f, inverse_w + at);
-            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.second), w)), lanes_in, f, second + at);
-            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.third), w)), lanes_in, f, third + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.second()), w)), lanes_in, f, second + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.third()), w)), lanes_in, f, third + at);
         }
     }
 }
@@ -67,15 +67,6 @@ void varyings(const float* v0, const float* v1, const float* v2, std::size_t cou
             hn::BlendedStore(value, in, f, out + 64 * i + at);
         }
     }
-}
-
-std::uint64_t equal_ids(const std::uint32_t* ids, std::uint32_t id) {
-    const hn::CappedTag<std::uint32_t, 16> u;
-    const auto wanted = hn::Set(u, id);
-    std::uint64_t equal = 0;
-    for (std::size_t k = 0; k < 64; k += hn::MaxLanes(u))
-        equal |= bits_of(u, hn::Eq(hn::LoadU(u, ids + k), wanted)) << k;
-    return equal;
 }
 
 template <Compare test, class D, class V> HWY_INLINE hn::Mask<D> passes(D d, V fresh, V stored) {
@@ -144,11 +135,11 @@ std::uint64_t test_d32f(const SetupTriangle& t, int x, int y, std::uint64_t mask
 
 const Kernels* table() {
 #if HWY_TARGET == HWY_AVX3
-    static constexpr Kernels kernels = {"avx512", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx512", coverage, depth, barycentrics, varyings, test_d32f};
 #elif HWY_TARGET == HWY_AVX2
-    static constexpr Kernels kernels = {"avx2", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx2", coverage, depth, barycentrics, varyings, test_d32f};
 #else
-    static constexpr Kernels kernels = {"plain", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"plain", coverage, depth, barycentrics, varyings, test_d32f};
 #endif
     return &kernels;
 }

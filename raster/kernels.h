@@ -37,9 +37,6 @@ struct Kernels {
     // mask that pass; their depth is stored if `write`.
     std::uint64_t (*test_d32f)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, float* stored,
                                std::size_t stride, Compare test, bool write);
-
-    // Pixels of a block of 64 ids, row by row, that hold `id`.
-    std::uint64_t (*equal_ids)(const std::uint32_t* ids, std::uint32_t id);
 };
 
 // Throws UsageError where GNOMON_ISA names no instruction set, or one that this machine lacks.
