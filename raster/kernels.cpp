@@ -33,7 +33,7 @@ void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, 
     const double first = (x + 0.5) - t.x[0] * (1.0 / subpixels), anchor_y = t.y[0] * (1.0 / subpixels);
     hn::Vec<decltype(d)> columns[block_side / lanes];
     for (std::size_t p = 0; p < block_side / lanes; ++p)
-        columns[p] = hn::Iota(d, first + static_cast<double>(p * lanes));
+        columns[p] = counted_from(d, first + static_cast<double>(p * lanes));
     for (int j = 0; mask; ++j, mask >>= 8) {
         if (!(mask & 0xff)) continue;
         const double up = (y + j + 0.5) - anchor_y;

@@ -100,6 +100,39 @@ void planes(const PlaneInputs& in, std::size_t count, AttributePlanes* out) {
     }
 }
 
+// 1/w, and the second and third coordinate over w, as floats without the w.
+template <class D, class V>
+HWY_INLINE void store_perspective(D d, V over_w, V second, V third, FragmentBlock& block, std::size_t at) {
+    const hn::Rebind<float, D> f;
+    const auto w = hn::Div(hn::Set(d, 1.0), over_w);
+    hn::StoreU(hn::DemoteTo(f, over_w), f, block.inverse_w.data() + at);
+    hn::StoreU(hn::DemoteTo(f, hn::Mul(second, w)), f, block.second.data() + at);
+    hn::StoreU(hn::DemoteTo(f, hn::Mul(third, w)), f, block.third.data() + at);
+}
+
+void barycentrics(FragmentBlock& block, std::size_t runs) {
+    const hn::CappedTag<double, block_side> d;
+    constexpr std::size_t lanes = hn::MaxLanes(d);
+    for (std::size_t at = 0; at < block_pixels; at += lanes) { // a row, or a part of it
+        const ivec2 pixel = block.pixel(at);
+        hn::Vec<decltype(d)> value[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+        for (std::size_t k = 0; k < runs; ++k) {
+            const FragmentRun& run = block.runs[k];
+            const std::uint64_t pixels = run.mask >> at & ((std::uint64_t{1} << lanes) - 1);
+            if (!pixels) continue;
+            const AttributePlanes& planes = *run.planes;
+            const auto in = mask_of(d, pixels);
+            const auto right = counted_from(d, (pixel.x + 0.5) - planes.anchor_x); // exact, as in DepthRows
+            const double up = (pixel.y + 0.5) - planes.anchor_y;
+            for (std::size_t p = 0; p < 3; ++p) {
+                const auto row = hn::Set(d, planes.value[p] + planes.dy[p] * up);
+                value[p] = hn::IfThenElse(in, hn::Add(row, hn::Mul(hn::Set(d, planes.dx[p]), right)), value[p]);
+            }
+        }
+        store_perspective(d, value[0], value[1], value[2], block, at);
+    }
+}
+
 // Sixty-four times eight values as eight times sixty-four, the first `count` of them.
 HWY_INLINE void transpose(const float* from, std::size_t count, float* to) {
 #if HWY_TARGET == HWY_SCALAR
@@ -134,14 +167,10 @@ void interpolate(FragmentBlock& block, std::size_t count) {
         }
     }
     const hn::CappedTag<double, 8> d;
-    const hn::Rebind<float, decltype(d)> f;
     for (std::size_t at = 0; at < block_pixels; at += hn::Lanes(d)) {
         hn::Vec<decltype(d)> over_w, second, third, none;
         hn::LoadInterleaved4(d, linear + 4 * at, over_w, second, third, none);
-        const auto w = hn::Div(hn::Set(d, 1.0), over_w);
-        hn::StoreU(hn::DemoteTo(f, over_w), f, block.inverse_w.data() + at);
-        hn::StoreU(hn::DemoteTo(f, hn::Mul(second, w)), f, block.second.data() + at);
-        hn::StoreU(hn::DemoteTo(f, hn::Mul(third, w)), f, block.third.data() + at);
+        store_perspective(d, over_w, second, third, block, at);
     }
     const hn::CappedTag<float, 8> e;
     alignas(64) float values[8 * block_pixels];
@@ -177,7 +206,7 @@ void stream(const void* from, void* to, std::size_t bytes) {
 }
 
 const ShadingKernels* shading_table() {
-    static constexpr ShadingKernels kernels = {find_runs, planes, interpolate, interleave, stream};
+    static constexpr ShadingKernels kernels = {find_runs, planes, barycentrics, interpolate, interleave, stream};
     return &kernels;
 }
 
@@ -189,17 +218,6 @@ HWY_AFTER_NAMESPACE();
 
 namespace gnomon::detail {
 HWY_EXPORT(shading_table);
-
-void PlaneInputs::set(std::size_t k, const SetupTriangle& t, const vec3& submitted_w) {
-    e1x[k] = t.x[1] - t.x[0], e1y[k] = t.y[1] - t.y[0];
-    e2x[k] = t.x[2] - t.x[0], e2y[k] = t.y[2] - t.y[0];
-    for (std::size_t place = 0; place < 3; ++place) {
-        const std::size_t corner = t.corner(place);
-        w[place][k] = submitted_w[static_cast<glm::length_t>(corner)];
-        if (corner == 1) second[k] = static_cast<std::int32_t>(place);
-        if (corner == 2) third[k] = static_cast<std::int32_t>(place);
-    }
-}
 
 const ShadingKernels& shading_kernels() {
     static const ShadingKernels* chosen = for_chosen_isa([] { return HWY_DYNAMIC_DISPATCH(shading_table)(); });

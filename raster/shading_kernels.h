@@ -18,7 +18,17 @@ struct PlaneInputs {
     alignas(64) float w[3][capacity];                           // of the corners, from the anchor
     alignas(64) std::int32_t second[capacity], third[capacity]; // which of them was submitted second, and third
 
-    void set(std::size_t k, const SetupTriangle& triangle, const vec3& submitted_w);
+    void set(std::size_t k, const SetupTriangle& t, const vec3& submitted_w) {
+        e1x[k] = t.x[1] - t.x[0], e1y[k] = t.y[1] - t.y[0];
+        e2x[k] = t.x[2] - t.x[0], e2y[k] = t.y[2] - t.y[0];
+        const std::size_t places[3] = {t.corner(0), t.corner(1), t.corner(2)};
+        for (std::int32_t place = 0; place < 3; ++place) {
+            const std::size_t corner = places[place];
+            w[place][k] = submitted_w[static_cast<glm::length_t>(corner)];
+            if (corner == 1) second[k] = place;
+            if (corner == 2) third[k] = place;
+        }
+    }
 };
 
 struct ShadingKernels {
@@ -30,6 +40,9 @@ struct ShadingKernels {
     // Perspective planes of `count` triangles, exactly as attribute_planes() makes them of whole ones. Writes up to
     // planes[capacity − 1].
     void (*planes)(const PlaneInputs& inputs, std::size_t count, AttributePlanes* planes);
+
+    // 1/w and barycentric coordinates of the pixels of a block of a few runs.
+    void (*barycentrics)(FragmentBlock& block, std::size_t runs);
 
     // 1/w, barycentric coordinates and `count` varyings of all pixels of a block of few pixels a run, each from its
     // run's planes. Reads up to 7 floats beyond the corners' varyings.

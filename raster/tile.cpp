@@ -120,7 +120,12 @@ struct Shading {
     }
     // Runs it for the lanes; returns those that it keeps.
     std::uint64_t run(const SetupTriangle& triangle, std::uint64_t lanes, const Depths& depth) {
-        const FragmentRun run = {&triangle, planes, corner_varyings(tile, triangle), lanes};
+        const uvec3 corner = tile.draw->geometry.triangles[triangle.primitive];
+        const FragmentRun run = {
+            &triangle,
+            planes,
+            {varyings_of(tile, corner.x), varyings_of(tile, corner.y), varyings_of(tile, corner.z)},
+            lanes};
         block.runs = &run;
         block.mask = block.kept = lanes;
         set_depth(run, block, depth);
@@ -233,12 +238,6 @@ AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& tria
     const uvec3 index = tile.draw->geometry.triangles[triangle.primitive];
     return gnomon::attribute_planes(
         triangle, vec3(tile.positions[index.x].w, tile.positions[index.y].w, tile.positions[index.z].w), linear);
-}
-
-CornerVaryings corner_varyings(const TileDraw& tile, const SetupTriangle& triangle) {
-    const uvec3 corner = tile.draw->geometry.triangles[triangle.primitive];
-    const auto count = static_cast<size_t>(tile.draw->varying_count);
-    return {tile.varyings + corner.x * count, tile.varyings + corner.y * count, tile.varyings + corner.z * count};
 }
 
 ColorBytes color_bytes(const TileDraw& tile) {

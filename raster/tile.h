@@ -19,7 +19,9 @@ struct TileDraw {
 
 // The planes of a triangle's varyings; `pieces` are those of its chunk.
 AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces);
-CornerVaryings corner_varyings(const TileDraw& tile, const SetupTriangle& triangle);
+inline const float* varyings_of(const TileDraw& tile, std::uint32_t vertex) {
+    return tile.varyings + size_t{vertex} * static_cast<size_t>(tile.draw->varying_count);
+}
 
 using Depths = std::array<double, 64>;
 

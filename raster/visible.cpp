@@ -31,11 +31,45 @@ struct Strip {
     std::array<AttributePlanes, PlaneInputs::capacity> planes;
 };
 
-// Rows of texels that are written at once, for targets that take colours as they are and start as cleared.
+// A strip's rows of texels, for targets that take colours as they are and start as cleared.
 struct ColorRows {
-    alignas(64) std::array<vec4, tile_side> cleared;
+    int y;
     alignas(64) std::array<std::array<std::array<vec4, tile_side>, block_side>, max_color_targets> texels;
-    std::array<bool, max_color_targets> used;
+};
+
+// The targets that go by rows, and rows that wait: they are written between the blocks of the next strip, because one
+// core cannot write as fast as it shades in between.
+struct RowWriter {
+    const Targets* targets;
+    int x;
+    std::array<bool, max_color_targets> used{};
+    alignas(64) std::array<vec4, tile_side> cleared;
+    std::array<ColorRows, 2> rows;
+    ColorRows* waiting = nullptr;
+
+    ColorRows& next(int y) {
+        ColorRows& free = waiting == rows.data() ? rows[1] : rows[0];
+        free.y = y;
+        return free;
+    }
+    // One row of all targets, as far as they go; `row(c)` gives its texels.
+    template <class Row> void write(int y, const Row& row) const {
+        for (size_t c = 0; c < targets->color.size(); ++c) {
+            if (!used[c]) continue;
+            Target& target = *targets->color[c];
+            if (y >= target.height(targets->level)) continue;
+            const int columns = std::min(tile_side, target.width(targets->level) - x);
+            const auto bytes = static_cast<size_t>(columns) * sizeof(vec4);
+            std::byte* to = target.texel(x, y, targets->layer, targets->level);
+            if (is_streamed(target) && (reinterpret_cast<std::uintptr_t>(to) | bytes) % 64 == 0)
+                shading_kernels().stream(row(c), to, bytes);
+            else
+                std::memcpy(to, row(c), bytes);
+        }
+    }
+    void write_waiting(size_t j) const {
+        if (waiting) write(waiting->y + static_cast<int>(j), [&](size_t c) { return waiting->texels[c][j].data(); });
+    }
 };
 
 // A block's words row by row.
@@ -82,12 +116,13 @@ void find_runs(const TileDraw& draw, const DepthTile& tile, int y, std::span<con
 void set_up_varyings(const TileDraw& draw, std::span<const TileList> lists, Strip& strip) {
     for (size_t k = 0; k < strip.count; ++k) {
         FragmentRun& run = strip.runs[k];
-        run.corners = corner_varyings(draw, *run.triangle);
         const uvec3 corner = draw.draw->geometry.triangles[run.triangle->primitive];
-        for (glm::length_t c = 0; c < 3; ++c) {
-            prefetch(draw.positions + corner[c]);
-            prefetch(run.corners[static_cast<size_t>(c)]);
-        }
+        const auto set = [&](size_t c, std::uint32_t vertex) {
+            run.corners[c] = varyings_of(draw, vertex);
+            prefetch(run.corners[c]);
+            prefetch(draw.positions + vertex);
+        };
+        set(0, corner.x), set(1, corner.y), set(2, corner.z);
     }
     constexpr size_t table_size = 256;
     std::array<std::uint16_t, table_size> table{}; // by id: which planes
@@ -119,10 +154,15 @@ void set_up_varyings(const TileDraw& draw, std::span<const TileList> lists, Stri
 void set_inputs(const TileDraw& draw, const DepthTile& tile, FragmentBlock& block, std::span<const FragmentRun> runs) {
     if (draw.draw->varying_count > 0) {
         constexpr size_t few = 6;
-        if (runs.size() > few)
-            shading_kernels().interpolate(block, static_cast<size_t>(draw.draw->varying_count));
-        else
-            for (const FragmentRun& run : runs) set_varyings(draw, run, block);
+        const auto count = static_cast<size_t>(draw.draw->varying_count);
+        if (runs.size() > few) {
+            shading_kernels().interpolate(block, count);
+        } else {
+            shading_kernels().barycentrics(block, runs.size());
+            for (const FragmentRun& run : runs)
+                draw.kernels->varyings(run.corners[0], run.corners[1], run.corners[2], count, run.mask,
+                                       block.second.data(), block.third.data(), block.varyings.front().data());
+        }
     }
     if (draw.state->depth.write && draw.targets->depth->format() == Format::D32F) { // the keys of what is visible
         copy_block(tile.depth, block.x - tile.x, block.y - tile.y, block.depth.data());
@@ -146,79 +186,75 @@ void shade_block(const TileDraw& draw, const DepthTile& tile, const Strip& strip
     draw.draw->fragments(block);
 }
 
-void write_block(const TileDraw& draw, const FragmentBlock& block, std::uint64_t visible, size_t column,
+// What a block gives to the colour targets; those that go by rows get a colour for all of its pixels.
+void write_block(const TileDraw& draw, const RowWriter& writer, const FragmentBlock& block, std::uint64_t visible,
                  ColorRows& rows) {
     const Targets& targets = *draw.targets;
     for (size_t c = 0; c < targets.color.size(); ++c)
-        if (rows.used[c])
-            shading_kernels().interleave(block.color[c].data(), &rows.texels[c][0][column], tile_side);
+        if (writer.used[c])
+            shading_kernels().interleave(block.color[c].data(),
+                                         &rows.texels[c][0][static_cast<size_t>(block.x - writer.x)], tile_side);
         else if (visible)
             write_color(draw, c, block.x, block.y, targets.layer, visible, block.color[c]);
 }
 
-// Writes rows of texels of a target from (x, y) up, as far as it goes; `row(j)` gives them.
-template <class Row> void write_rows(const Targets& targets, Target& target, int x, int y, const Row& row) {
-    const int columns = std::min(tile_side, target.width(targets.level) - x);
-    const int rows = std::min(block_side, target.height(targets.level) - y);
-    const auto bytes = static_cast<size_t>(columns) * sizeof(vec4);
-    for (int j = 0; j < rows; ++j) {
-        std::byte* to = target.texel(x, y + j, targets.layer, targets.level);
-        if (is_streamed(target) && (reinterpret_cast<std::uintptr_t>(to) | bytes) % 64 == 0)
-            shading_kernels().stream(row(static_cast<size_t>(j)), to, bytes);
-        else
-            std::memcpy(to, row(static_cast<size_t>(j)), bytes);
-    }
-}
-
-// What becomes of the colour targets' load operations: rows of texels, or a fill right now.
-void start_strip(const TileDraw& draw, int x, int y, bool clear, ColorRows& rows) {
+// What becomes of the colour targets' load operations: rows, or a fill of the tile right now.
+void start_colors(const TileDraw& draw, const DepthTile& tile, bool clear, RowWriter& writer) {
     const Targets& targets = *draw.targets;
+    writer.targets = &targets;
+    writer.x = tile.x;
+    if (!clear) return;
+    writer.cleared.fill(*targets.clear_color);
     for (size_t c = 0; c < targets.color.size(); ++c) {
         Target* target = targets.color[c];
-        rows.used[c] = clear && target && target->format() == Format::RGBA32F && draw.state->color_mask[c] == 15;
-        if (!clear || !target || rows.used[c]) continue;
-        const int columns = std::min(tile_side, target->width(targets.level) - x);
-        const int lines = std::min(block_side, target->height(targets.level) - y);
-        target->fill(x, y, columns, lines, targets.layer, targets.level, target->cleared(*targets.clear_color));
+        if (!target) continue;
+        writer.used[c] = target->format() == Format::RGBA32F && draw.state->color_mask[c] == 15;
+        const int columns = std::min(tile_side, target->width(targets.level) - tile.x);
+        const int rows = std::min(tile_side, target->height(targets.level) - tile.y);
+        if (!writer.used[c])
+            target->fill(tile.x, tile.y, columns, rows, targets.layer, targets.level,
+                         target->cleared(*targets.clear_color));
     }
 }
 
 // Gives the pixels of a block that its program does not run for their clear colour.
-void clear_rest(const TileDraw& draw, const ColorRows& rows, FragmentBlock& block) {
-    const vec4 color = rows.cleared.front();
-    for (size_t c = 0; c < draw.targets->color.size(); ++c)
-        for (glm::length_t k = 0; k < 4 && rows.used[c]; ++k) block.color[c][static_cast<size_t>(k)].fill(color[k]);
+void clear_rest(const RowWriter& writer, FragmentBlock& block) {
+    const vec4 color = writer.cleared.front();
+    for (size_t c = 0; c < max_color_targets; ++c)
+        for (glm::length_t k = 0; k < 4 && writer.used[c]; ++k) block.color[c][static_cast<size_t>(k)].fill(color[k]);
 }
 
 } // namespace
 
 void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std::span<const TileList> lists,
                    PassCounters& counters) {
-    const Targets& targets = *draw.targets;
+    static_assert(tile_blocks == block_side, "a row waits for each block");
     Strip strip;
-    ColorRows rows;
+    RowWriter writer;
     FragmentBlock block;
     block.counters = &counters;
-    rows.cleared.fill(targets.clear_color.value_or(vec4(0.0f)));
-    const int height = targets.depth->height(targets.level);
-    for (int y = 0; y < tile_side && tile.y + y < height; y += block_side) {
+    start_colors(draw, tile, clear, writer);
+    for (int y = 0; y < tile_side; y += block_side) {
         block.y = tile.y + y;
-        start_strip(draw, tile.x, block.y, clear, rows);
         find_runs(draw, tile, y, lists, strip);
-        if (strip.count > 0 && draw.draw->varying_count > 0) set_up_varyings(draw, lists, strip);
-        for (size_t b = 0; b < tile_blocks && strip.count > 0; ++b) {
+        if (strip.count == 0) {
+            for (int j = 0; j < block_side; ++j)
+                writer.write(block.y + j, [&](size_t) { return writer.cleared.data(); });
+            continue;
+        }
+        if (draw.draw->varying_count > 0) set_up_varyings(draw, lists, strip);
+        ColorRows& rows = writer.next(block.y);
+        for (size_t b = 0; b < tile_blocks; ++b) {
             const VisibleBlock& visible = strip.blocks[b];
             block.x = tile.x + static_cast<int>(b) * block_side;
-            if (clear && visible.pixels != ~std::uint64_t{0}) clear_rest(draw, rows, block);
+            if (visible.pixels != ~std::uint64_t{0}) clear_rest(writer, block);
             if (visible.pixels) shade_block(draw, tile, strip, visible, block);
-            write_block(draw, block, visible.pixels, b * block_side, rows);
+            write_block(draw, writer, block, visible.pixels, rows);
+            writer.write_waiting(b);
         }
-        for (size_t c = 0; c < targets.color.size(); ++c)
-            if (rows.used[c])
-                write_rows(targets, *targets.color[c], tile.x, block.y, [&](size_t j) -> const vec4* {
-                    return strip.count > 0 ? rows.texels[c][j].data() : rows.cleared.data();
-                });
+        writer.waiting = &rows;
     }
+    for (size_t j = 0; j < block_side; ++j) writer.write_waiting(j);
 }
 
 } // namespace gnomon::detail
