@@ -200,7 +200,8 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     if (!scratch) scratch = std::make_shared<DrawScratch>();
     vec4* positions = scratch->positions.room_for(vertex_count);
     WindowVertex* window = scratch->window.room_for(vertex_count);
-    float* varyings = scratch->varyings.room_for(static_cast<size_t>(draw.varying_count) * vertex_count);
+    constexpr size_t slack = 7; // what kernels read beyond the last vertex
+    float* varyings = scratch->varyings.room_for(static_cast<size_t>(draw.varying_count) * vertex_count + slack);
     run_vertices(draw, setup, positions, varyings, window);
 
     const std::optional<ListState> fast = list_state(draw, state, targets);

@@ -39,9 +39,11 @@ AttributePlanes planes_of(const SetupTriangle& t, const std::array<dvec3, 3>& ba
                                              1.0 / static_cast<double>(w.z)};
     const auto plane = [&](const auto& value) { return frame.through({value(0), value(1), value(2)}); };
     AttributePlanes planes;
-    planes.inverse_w = frame.through(inverse_w);
-    planes.second = plane([&](size_t i) { return barycentric[i].y * inverse_w[i]; });
-    planes.third = plane([&](size_t i) { return barycentric[i].z * inverse_w[i]; });
+    planes.set(0, frame.through(inverse_w));
+    planes.set(1, plane([&](size_t i) { return barycentric[i].y * inverse_w[i]; }));
+    planes.set(2, plane([&](size_t i) { return barycentric[i].z * inverse_w[i]; }));
+    planes.set(3, {0, 0, 0});
+    planes.anchor_x = t.anchor_x(), planes.anchor_y = t.anchor_y();
     if (linear) {
         planes.second_linear = plane([&](size_t i) { return barycentric[i].y; });
         planes.third_linear = plane([&](size_t i) { return barycentric[i].z; });

@@ -78,7 +78,14 @@ TileEdges tile_edges(const SetupTriangle& triangle, bool conservative, int tile_
 // What interpolation needs, as planes: 1/w, the second and third barycentric coordinate over w (perspective), and the
 // two as they are (linear in the window).
 struct AttributePlanes {
-    Plane inverse_w, second, third, second_linear, third_linear;
+    alignas(32) double value[4], dx[4], dy[4]; // the first three, as they fit a vector; the fourth is none
+    double anchor_x, anchor_y;                 // the triangle's
+    Plane second_linear, third_linear;
+
+    void set(size_t i, const Plane& p) { value[i] = p.value, dx[i] = p.dx, dy[i] = p.dy; }
+    Plane inverse_w() const { return {value[0], dx[0], dy[0]}; }
+    Plane second() const { return {value[1], dx[1], dy[1]}; }
+    Plane third() const { return {value[2], dx[2], dy[2]}; }
 };
 
 // A triangle cut from a clipped one: its corners' barycentric coordinates in the submitted triangle, and their w.
