@@ -56,7 +56,7 @@ void Chunk::bin(const TileGrid& grid) {
     begin_.assign(all.empty() ? 2 : local(x1_, y1_) + 3, 0);
     for (size_t i = 0; i < all.size(); ++i) {
         const TileBox box = tiles_of(all[i]);
-        if (all[i].small) { // the few tiles of its box, mostly one: not worth asking which it touches
+        if (all[i].extent != Extent::Large) { // the few tiles of its box, mostly one: not worth asking which it touches
             for (int y = box.y0; y <= box.y1; ++y)
                 for (int x = box.x0; x <= box.x1; ++x) add(x, y, i);
         } else if (!add_touched(grid, box, i)) {

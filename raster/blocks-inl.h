@@ -8,6 +8,7 @@
 #endif
 
 #include "raster/depth_bounds-inl.h"
+#include "raster/stencil_counts-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
@@ -84,21 +85,22 @@ template <bool with_ids, KeyKind kind, bool less>
 HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth, int x,
                                       int y, std::uint64_t covered, bool all, std::uint32_t id) {
     const Ints i;
-    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(tile.x + x),
-                                                          depth.columns(tile.x + x + patch_side)};
+    const auto column = static_cast<std::size_t>(x / patch_side), row = static_cast<std::size_t>(y / patch_side);
+    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(column), depth.columns(column + 1)};
     std::uint64_t passed = 0;
     const std::size_t block = place_in_tile(x, y);
     for (std::size_t up = 0; up < 2; ++up) {
         if (!(covered >> (32 * up) & 0xffffffffu)) continue;
-        const auto rows = depth.rows(tile.y + y + static_cast<int>(up) * patch_side);
+        const auto rows = depth.rows(row + up);
         for (std::size_t right = 0; right < 2; ++right) {
             const std::size_t at = (2 * up + right) * patch_pixels;
             const std::uint64_t bits = covered >> at & 0xffff;
             if (!bits) continue;
             Lanes in[int_parts];
             for (std::size_t p = 0; p < int_parts; ++p) in[p] = mask_of(i, bits >> (p * int_lanes));
-            passed |= test_patch<with_ids, less>(state, tile, depth, columns[right], rows, block + at, in, all, id)
-                      << at;
+            passed |=
+                test_patch<with_ids, less, false>(state, tile, depth, columns[right], rows, block + at, in, all, id)
+                << at;
         }
     }
     return passed;
@@ -121,32 +123,16 @@ HWY_NOINLINE void fill_block(DepthTile& tile, const DepthKeys<kind>& depth, int 
         for (std::size_t p = 0; p < block_pixels / int_lanes; ++p) fill(constant);
         return;
     }
-    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(tile.x + x),
-                                                          depth.columns(tile.x + x + patch_side)};
+    const auto column = static_cast<std::size_t>(x / patch_side), row = static_cast<std::size_t>(y / patch_side);
+    const typename DepthKeys<kind>::Columns columns[2] = {depth.columns(column), depth.columns(column + 1)};
     const bool clamped = low <= depth.low || high >= depth.high;
-    for (int up = 0; up < 2; ++up) {
-        const auto rows = depth.rows(tile.y + y + up * patch_side);
+    for (std::size_t up = 0; up < 2; ++up) {
+        const auto rows = depth.rows(row + up);
         for (std::size_t right = 0; right < 2; ++right)
             for (std::size_t p = 0; p < int_parts; ++p)
                 fill(clamped ? depth.at(columns[right], rows, p) : depth.unclamped(columns[right], rows, p));
     }
 }
-
-// Adds `step` to the counters of a block, modulo their range.
-template <class T> HWY_INLINE void count_block(T* counters, std::uint64_t pixels, std::int8_t step) {
-    const hn::CappedTag<T, 64> d;
-    constexpr std::size_t lanes = hn::MaxLanes(d);
-    const auto steps = hn::Set(d, static_cast<T>(step));
-    for (std::size_t at = 0; at < 64; at += lanes) {
-        const auto old = hn::LoadU(d, counters + at);
-        std::uint8_t bits[8];
-        const std::uint64_t part = pixels >> at;
-        for (std::size_t k = 0; k < 8; ++k) bits[k] = static_cast<std::uint8_t>(part >> (8 * k));
-        hn::StoreU(hn::Add(old, hn::IfThenElseZero(hn::LoadMaskBits(d, bits), steps)), d, counters + at);
-    }
-}
-
-HWY_INLINE int bit_count(std::uint64_t bits) { return static_cast<int>(hwy::PopCount(bits)); }
 
 // Pixels of a block in columns from c on, up to c, and so for rows.
 struct BlockMasks {
@@ -168,22 +154,6 @@ constexpr BlockMasks block_masks;
 HWY_INLINE std::uint64_t box_pixels(const LocalBox& box, int x, int y) {
     return block_masks.from_column[most(box.x0 - x, 0)] & block_masks.to_column[least(box.x1 - x, 7)] &
            block_masks.from_row[most(box.y0 - y, 0)] & block_masks.to_row[least(box.y1 - y, 7)];
-}
-
-// Adds what passed and what failed to the stencil.
-template <ListMode mode>
-HWY_INLINE void count_fragments(const ListState& state, DepthTile& tile, bool front, int block, std::uint64_t covered,
-                                std::uint64_t passed, TileCounts& counts) {
-    const auto update = [&](std::uint64_t pixels, std::int8_t step) {
-        if (!step || !pixels) return;
-        counts.counted += bit_count(pixels);
-        if constexpr (mode == ListMode::Count8)
-            count_block(tile.count8 + 64 * block, pixels, step);
-        else
-            count_block(tile.count32 + 64 * block, pixels, step);
-    };
-    update(passed, state.counts[front][1]);
-    update(covered & ~passed, state.counts[front][0]);
 }
 
 } // namespace gnomon::detail::HWY_NAMESPACE

@@ -59,13 +59,13 @@ HWY_INLINE Verdicts judge(Compare test, const std::int32_t* low, const std::int3
 // The least and the greatest key of the triangle in each block of the row at y. Depth is monotonic along x and y,
 // rounding and all, so its extremes over a block are at corners.
 template <KeyKind kind>
-HWY_NOINLINE void bound_depths(const DepthKeys<kind>& depth, int tile_x, int y, std::int32_t* low, std::int32_t* high) {
+HWY_NOINLINE void bound_depths(const DepthKeys<kind>& depth, int y, std::int32_t* low, std::int32_t* high) {
     const BlockRow blocks;
     const hn::CappedTag<double, row_lanes> d;
     constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, row_lanes>());
     constexpr int last = block_side - 1;
     const auto bound = [&](bool upper, std::int32_t* out) {
-        const double first = (tile_x + ((depth.dx > 0) == upper ? last : 0) + 0.5) - depth.anchor_x;
+        const double first = (((depth.dx > 0) == upper ? last : 0) + 0.5) - depth.anchor_x;
         const double up = (y + ((depth.dy > 0) == upper ? last : 0) + 0.5) - depth.anchor_y;
         const auto row = hn::Set(d, depth.value + depth.dy * up);
         alignas(64) std::int32_t keys[tile_blocks];

@@ -7,6 +7,8 @@
 #define GNOMON_DEPTH_KEYS_INL
 #endif
 
+#include <bit>
+
 #include "raster/depth_tile.h"
 #include "raster/kernels-inl.h"
 
@@ -28,6 +30,21 @@ template <class T> struct PatchPlaces {
     alignas(64) T y[patch_pixels] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
 };
 template <class T> constexpr PatchPlaces<T> patch_places;
+
+constexpr std::size_t tile_patches = tile_side / patch_side; // along one side
+
+// Pixel centres of each column and row of a tile's patches, from the tile's corner.
+struct PatchCentres {
+    alignas(64) double x[tile_patches][patch_pixels / 2] = {}, y[tile_patches][patch_pixels] = {};
+    constexpr PatchCentres() {
+        for (std::size_t n = 0; n < tile_patches; ++n)
+            for (std::size_t k = 0; k < patch_pixels; ++k) {
+                y[n][k] = static_cast<double>(patch_side * n + k / patch_side) + 0.5;
+                if (k < patch_pixels / 2) x[n][k] = static_cast<double>(patch_side * n + k % patch_side) + 0.5;
+            }
+    }
+};
+constexpr PatchCentres patch_centres;
 
 // How depths become keys: float bits with or without a polygon offset, or unorm rounded to nearest.
 enum class KeyKind { Float, OffsetFloat, Unorm };
@@ -53,31 +70,31 @@ template <KeyKind kind> struct DepthKeys {
     }; // dx·(x − x0) of a patch
     struct Rows {
         Double part[double_parts];
-    }; // value + dy·(y − y0)
-    double value, dx, dy, anchor_x, anchor_y, offset, scale;
+    };                                                       // value + dy·(y − y0)
+    double value, dx, dy, anchor_x, anchor_y, offset, scale; // the anchor is relative to the tile
     std::int32_t low, high;
 
-    HWY_INLINE DepthKeys(const SetupTriangle& t, double key_scale)
-        : value(static_cast<double>(t.depth)), dx(t.depth_dx), dy(t.depth_dy), anchor_x(t.x[0] * (1.0 / subpixels)),
-          anchor_y(t.y[0] * (1.0 / subpixels)), offset(t.depth_offset), scale(key_scale), low(limit(t.depth_minimum)),
-          high(limit(t.depth_maximum)) {}
+    HWY_INLINE DepthKeys(const SetupTriangle& t, const DepthTile& tile, double key_scale)
+        : value(static_cast<double>(t.depth)), dx(t.depth_dx), dy(t.depth_dy),
+          anchor_x((t.x[0] - 256 * tile.x) * (1.0 / subpixels)), anchor_y((t.y[0] - 256 * tile.y) * (1.0 / subpixels)),
+          offset(t.depth_offset), scale(key_scale), low(limit(t.depth_minimum)), high(limit(t.depth_maximum)) {}
 
-    // Of the patch whose lower left pixel is in column x, or row y.
-    HWY_INLINE Columns columns(int x) const {
+    // Of the n-th column or row of patches of the tile. Distances to the anchor are exact: multiples of 1/512 far below
+    // 2⁵³.
+    HWY_INLINE Columns columns(std::size_t n) const {
         const Doubles d;
-        const auto first = hn::Set(d, (x + 0.5) - anchor_x); // exact: multiples of 1/512 far below 2⁵³
         Columns columns;
-        for (std::size_t k = 0; k < column_parts; ++k)
-            columns.part[k] =
-                hn::Mul(hn::Set(d, dx), hn::Add(first, hn::Load(d, patch_places<double>.x + k * double_lanes)));
+        for (std::size_t k = 0; k < column_parts; ++k) {
+            const auto right = hn::Sub(hn::Load(d, patch_centres.x[n] + k * double_lanes), hn::Set(d, anchor_x));
+            columns.part[k] = hn::Mul(hn::Set(d, dx), right);
+        }
         return columns;
     }
-    HWY_INLINE Rows rows(int y) const {
+    HWY_INLINE Rows rows(std::size_t n) const {
         const Doubles d;
-        const auto first = hn::Set(d, (y + 0.5) - anchor_y);
         Rows rows;
         for (std::size_t k = 0; k < double_parts; ++k) {
-            const auto up = hn::Add(first, hn::Load(d, patch_places<double>.y + k * double_lanes));
+            const auto up = hn::Sub(hn::Load(d, patch_centres.y[n] + k * double_lanes), hn::Set(d, anchor_y));
             rows.part[k] = hn::Add(hn::Set(d, value), hn::Mul(hn::Set(d, dy), up));
         }
         return rows;
@@ -104,6 +121,10 @@ template <KeyKind kind> struct DepthKeys {
 
 private:
     HWY_INLINE std::int32_t limit(float depth) const {
+        if constexpr (kind == KeyKind::Float) {
+            depth = depth < 1.0f ? depth : 1.0f;
+            return std::bit_cast<std::int32_t>(depth > 0.0f ? depth : 0.0f);
+        }
         const hn::CappedTag<double, 1> d;
         const double z = static_cast<double>(depth) + offset;
         const auto inside = hn::Min(hn::Max(hn::Set(d, z), hn::Zero(d)), hn::Set(d, 1.0));
@@ -135,8 +156,9 @@ template <bool less> HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored
     return hn::Ne(fresh, fresh);
 }
 
-// Tests a patch, of which `in` are the pixels that count, and stores what passes, depth and id; the pixels that pass.
-template <bool with_ids, bool less, KeyKind kind>
+// Tests a patch, of which `in` are the pixels that count, or with `whole` all, and stores what passes, depth and id;
+// the pixels that pass.
+template <bool with_ids, bool less, bool whole, KeyKind kind>
 HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth,
                                     const typename DepthKeys<kind>::Columns& columns,
                                     const typename DepthKeys<kind>::Rows& rows, std::size_t at, const Lanes* in,
@@ -145,7 +167,11 @@ HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, con
     std::uint64_t passed = 0;
     for (std::size_t p = 0; p < int_parts; ++p, at += int_lanes) {
         const Int fresh = depth.at(columns, rows, p), stored = hn::Load(i, tile.depth + at);
-        const Lanes pass = all ? in[p] : hn::And(passes<less>(state.test, fresh, stored), in[p]);
+        Lanes pass;
+        if constexpr (whole)
+            pass = passes<less>(state.test, fresh, stored);
+        else
+            pass = all ? in[p] : hn::And(passes<less>(state.test, fresh, stored), in[p]);
         // Whole vectors, so that the next load need not wait for a part of one.
         if (state.write) hn::Store(hn::IfThenElse(pass, fresh, stored), i, tile.depth + at);
         if constexpr (with_ids) {

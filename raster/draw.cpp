@@ -19,9 +19,11 @@ namespace gnomon::detail {
 namespace {
 
 constexpr size_t vertex_grain = 8192;
-constexpr size_t chunk_triangles = 2048; // one set-up task
-constexpr size_t batch_chunks = 64;      // set up, then drawn, before the next: bounds the memory of the bins
-constexpr size_t batch_triangles = batch_chunks * chunk_triangles;
+// A batch of triangles is set up, then drawn, before the next: that bounds the memory of the bins. A large batch loads
+// and stores tiles less often, a small one stays in the caches.
+constexpr size_t batch_chunks = 64; // set-up tasks of a batch
+constexpr size_t least_chunk_triangles = 2048, most_chunk_triangles = 16384;
+constexpr size_t batch_triangles_per_tile = 256;
 constexpr size_t most_vertices = size_t{1} << 29;
 
 Rectangle intersect(const Rectangle& a, const Rectangle& b) {
@@ -175,6 +177,7 @@ void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast,
         std::vector<TileList> lists;
         std::vector<std::uint16_t> merged;
         for (size_t k = begin; k < end; ++k) draw_tile(k, lists, merged, tile_counters[begin / grain]);
+        _mm_sfence(); // what was streamed is seen by whoever comes next
     });
     for (const PassCounters& c : tile_counters) counters.add(c);
 }
@@ -197,7 +200,8 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     if (!scratch) scratch = std::make_shared<DrawScratch>();
     vec4* positions = scratch->positions.room_for(vertex_count);
     WindowVertex* window = scratch->window.room_for(vertex_count);
-    float* varyings = scratch->varyings.room_for(static_cast<size_t>(draw.varying_count) * vertex_count);
+    constexpr size_t slack = 7; // what kernels read beyond the last vertex
+    float* varyings = scratch->varyings.room_for(static_cast<size_t>(draw.varying_count) * vertex_count + slack);
     run_vertices(draw, setup, positions, varyings, window);
 
     const std::optional<ListState> fast = list_state(draw, state, targets);
@@ -215,6 +219,9 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     }
     std::vector<Chunk>& chunks = scratch->chunks;
     if (chunks.size() < batch_chunks) chunks.resize(batch_chunks);
+    const size_t chunk_triangles = std::clamp(batch_triangles_per_tile * drawable.count() / batch_chunks,
+                                              least_chunk_triangles, most_chunk_triangles);
+    const size_t batch_triangles = batch_chunks * chunk_triangles;
     for (size_t first = 0; first < triangles.size() || loading; first += batch_triangles) {
         const size_t count = std::min(batch_triangles, triangles.size() - first);
         const TileGrid& grid = loading ? whole : drawable;

@@ -57,20 +57,11 @@ template <class V> struct Fragment {
     PassCounters* counters; // samplers count their texels here
 };
 
-// One fragment's colours: [c] is that of target c.
-class FragmentColors {
-public:
-    static constexpr size_t stride = 64; // vec4s from a target's to the next's, as they lie in a block
-    explicit FragmentColors(vec4* first) : first_(first) {}
-    vec4& operator[](size_t target) { return first_[stride * target]; }
-
-private:
-    vec4* first_;
-};
-
 struct FragmentOutput {
-    FragmentColors color; // integer targets take the bits (glm::uintBitsToFloat)
-    float depth = 0;      // read only with FragmentFlags::writes_depth
+    // [c] is that of target c; what a program leaves alone is zero. Integer targets take the bits
+    // (glm::uintBitsToFloat).
+    std::array<vec4, max_color_targets> color{};
+    float depth = 0; // read only with FragmentFlags::writes_depth
     bool discarded = false;
 };
 
@@ -98,25 +89,35 @@ namespace detail {
 
 inline constexpr size_t max_varyings = 32; // floats per vertex
 
-using BlockColors = std::array<std::array<vec4, FragmentColors::stride>, max_color_targets>;
+// The colours of a block, target by target and channel by channel.
+using BlockColors = std::array<std::array<std::array<float, 64>, 4>, max_color_targets>;
+
+// Where the values of a triangle's corners lie, in the order of submission.
+using CornerVaryings = std::array<const float*, 3>;
 
 // The fragments of one triangle in a block. Bit 8·j + i is pixel (x + i, y + j).
 struct FragmentRun {
     const SetupTriangle* triangle;
     const AttributePlanes* planes; // null without varyings
+    CornerVaryings corners;        // likewise
     std::uint64_t mask;
 };
 
 // An 8×8 block of fragments on its way through the fragment program.
 struct FragmentBlock {
-    std::span<const FragmentRun> runs; // of disjoint masks
+    const FragmentRun* runs;          // of disjoint masks
+    std::array<std::uint8_t, 64> run; // which of them a pixel belongs to
+    std::uint64_t mask;               // all of them together
     int x, y;
     std::uint64_t kept; // out: fragments not discarded
     std::array<float, 64> depth;
     std::array<float, 64> inverse_w, second, third; // with varyings: 1/w, and the perspective barycentric coordinates
     std::array<std::array<float, 64>, max_varyings> varyings; // perspective-correct, float by float
-    BlockColors* color;
+    BlockColors color;                                        // out
     PassCounters* counters;
+
+    const FragmentRun& run_of(size_t at) const { return runs[run[at]]; }
+    ivec2 pixel(size_t at) const { return {x + static_cast<int>(at & 7), y + static_cast<int>(at >> 3)}; }
 };
 
 struct Draw {
@@ -126,9 +127,23 @@ struct Draw {
     FragmentFlags flags;
     // Runs the vertex program for [begin, end).
     std::function<void(std::uint32_t begin, std::uint32_t end, vec4* positions, float* varyings)> vertices;
-    // Runs the fragment program; empty: depth only. `varyings` are those of the draw, `triangles` its indices.
-    std::function<void(FragmentBlock& block, const float* varyings)> fragments;
+    std::function<void(FragmentBlock& block)> fragments; // runs the fragment program; empty: depth only
 };
+
+// The i-th float of a struct of floats. One by one they stay in registers: a copy of the whole would wait for its parts
+// to be stored.
+inline float get_float(const void* floats, size_t i) {
+    float value;
+    std::memcpy(&value, static_cast<const std::byte*>(floats) + i * sizeof(float), sizeof(float));
+    return value;
+}
+inline void set_float(void* floats, size_t i, float value) {
+    std::memcpy(static_cast<std::byte*>(floats) + i * sizeof(float), &value, sizeof(float));
+}
+template <class V> [[gnu::always_inline]] inline void copy_floats(void* to, const V& from) {
+    [&]<size_t... i>(std::index_sequence<i...>) { (set_float(to, i, get_float(&from, i)), ...); }
+    (std::make_index_sequence<sizeof(V) / sizeof(float)>{});
+}
 
 void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Targets& targets);
 
@@ -146,49 +161,46 @@ template <class V> constexpr bool has_linear_varyings() {
     return false;
 }
 
-// The varyings of a triangle's corners in the order of submission, and of its provoking vertex.
-struct CornerVaryings {
-    const float *v0, *v1, *v2, *provoking;
-};
-
 // Perspective barycentric coordinates of the second and third corner, from planes in double.
 struct Barycentric {
     float second, third;
 };
-inline float between(const CornerVaryings& corner, size_t i, const Barycentric& b) {
-    const float v0 = corner.v0[i];
-    return (v0 + b.second * (corner.v1[i] - v0)) + b.third * (corner.v2[i] - v0);
+inline float between(const CornerVaryings& corners, size_t i, const Barycentric& b) {
+    const float v0 = corners[0][i];
+    return (v0 + b.second * (corners[1][i] - v0)) + b.third * (corners[2][i] - v0);
 }
 inline Barycentric perspective_at(const FragmentRun& run, int x, int y) {
     const SetupTriangle& t = *run.triangle;
-    const double w = 1.0 / t.evaluate(run.planes->inverse_w, x, y);
-    return {static_cast<float>(t.evaluate(run.planes->second, x, y) * w),
-            static_cast<float>(t.evaluate(run.planes->third, x, y) * w)};
+    const double w = 1.0 / t.evaluate(run.planes->inverse_w(), x, y);
+    return {static_cast<float>(t.evaluate(run.planes->second(), x, y) * w),
+            static_cast<float>(t.evaluate(run.planes->third(), x, y) * w)};
 }
 
 // A whole struct of varyings at a pixel: v0 + β1·(v1 − v0) + β2·(v2 − v0) in float; `perspective(i)` gives those that
-// are perspective-correct.
-template <class V, class Perspective>
-V interpolate(const FragmentRun& run, const CornerVaryings& corner, const Perspective& perspective, int x, int y) {
-    constexpr size_t count = sizeof(V) / sizeof(float);
-    std::array<float, count> values;
-    const auto linear = [&] {
-        const SetupTriangle& t = *run.triangle;
-        return Barycentric{static_cast<float>(t.evaluate(run.planes->second_linear, x, y)),
-                           static_cast<float>(t.evaluate(run.planes->third_linear, x, y))};
-    };
-    const auto set = [&]<size_t i>(std::integral_constant<size_t, i>) {
+// are perspective-correct. `run()` is the pixel's, asked for only where it is needed.
+template <class V, class Run, class Perspective>
+[[gnu::always_inline]] inline V interpolate(const Run& run, ProvokingVertex provoking, const Perspective& perspective,
+                                            int x, int y) {
+    V varyings;
+    const auto value = [&]<size_t i>(std::integral_constant<size_t, i>) {
         constexpr Interpolation how = interpolation_of<V, i>();
-        if constexpr (how == Interpolation::Flat)
-            values[i] = corner.provoking[i];
-        else if constexpr (how == Interpolation::Linear)
-            values[i] = between(corner, i, linear());
-        else
-            values[i] = perspective(i);
+        if constexpr (how == Interpolation::Flat) {
+            return run().corners[provoking == ProvokingVertex::First ? 0 : 2][i];
+        } else if constexpr (how == Interpolation::Linear) {
+            const FragmentRun& r = run();
+            const SetupTriangle& t = *r.triangle;
+            return between(r.corners, i,
+                           {static_cast<float>(t.evaluate(r.planes->second_linear, x, y)),
+                            static_cast<float>(t.evaluate(r.planes->third_linear, x, y))});
+        } else {
+            return perspective(i);
+        }
     };
-    [&]<size_t... i>(std::index_sequence<i...>) { (set(std::integral_constant<size_t, i>{}), ...); }
-    (std::make_index_sequence<count>{});
-    return std::bit_cast<V>(values);
+    [&]<size_t... i>(std::index_sequence<i...>) {
+        (set_float(&varyings, i, value(std::integral_constant<size_t, i>{})), ...);
+    }
+    (std::make_index_sequence<sizeof(V) / sizeof(float)>{});
+    return varyings;
 }
 
 template <class V> V difference(const V& a, const V& b) {
@@ -198,45 +210,69 @@ template <class V> V difference(const V& a, const V& b) {
     return std::bit_cast<V>(x);
 }
 
-template <class V, class Program>
-void shade_run(FragmentBlock& block, const FragmentRun& run, const float* varyings, std::span<const uvec3> triangles,
-               FragmentFlags flags, ProvokingVertex provoking, size_t color_count, const Program& program) {
-    constexpr bool has_varyings = !std::is_empty_v<V>;
-    constexpr size_t stride = has_varyings ? sizeof(V) / sizeof(float) : 0;
-    const uvec3 index = triangles[run.triangle->primitive];
-    const std::uint32_t first_or_last = provoking == ProvokingVertex::First ? index.x : index.z;
-    [[maybe_unused]] const CornerVaryings corner = {varyings + index.x * stride, varyings + index.y * stride,
-                                                    varyings + index.z * stride, varyings + first_or_last * stride};
-    [[maybe_unused]] const auto helper = [&](int x, int y) {
-        const Barycentric b = perspective_at(run, x, y);
-        return interpolate<V>(
-            run, corner, [&](size_t i) { return between(corner, i, b); }, x, y);
-    };
+template <class V>
+[[gnu::always_inline]] inline Fragment<V> fragment_at(const FragmentBlock& block, size_t at,
+                                                      ProvokingVertex provoking) {
+    const auto run = [&]() -> const FragmentRun& { return block.run_of(at); };
     Fragment<V> fragment{};
-    fragment.front = run.triangle->front;
-    fragment.primitive = run.triangle->primitive;
+    fragment.pixel = block.pixel(at);
+    fragment.depth = block.depth[at];
+    fragment.front = run().triangle->front;
+    fragment.primitive = run().triangle->primitive;
     fragment.counters = block.counters;
-    for (std::uint64_t rest = run.mask; rest; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        const auto at = static_cast<size_t>(bit);
-        const int x = block.x + (bit & 7), y = block.y + (bit >> 3);
-        fragment.pixel = {x, y};
-        fragment.depth = block.depth[at];
-        if constexpr (has_varyings) {
-            fragment.inverse_w = block.inverse_w[at];
-            fragment.varyings = interpolate<V>(
-                run, corner, [&](size_t i) { return block.varyings[i][at]; }, x, y);
-            if (flags
-                    .derivatives) { // quads sit on even coordinates; helpers beyond the triangle extrapolate its planes
-                const int left = x & ~1, bottom = y & ~1;
-                fragment.ddx = difference(helper(left + 1, y), helper(left, y));
-                fragment.ddy = difference(helper(x, bottom + 1), helper(x, bottom));
-            }
+    if constexpr (!std::is_empty_v<V>) {
+        fragment.inverse_w = block.inverse_w[at];
+        fragment.varyings = interpolate<V>(
+            run, provoking, [&](size_t i) { return block.varyings[i][at]; }, fragment.pixel.x, fragment.pixel.y);
+    }
+    return fragment;
+}
+
+// Differences within the 2×2 quad: quads sit on even coordinates; helpers beyond the triangle extrapolate its planes.
+template <class V> void differentiate(const FragmentRun& run, ProvokingVertex provoking, Fragment<V>& fragment) {
+    const auto helper = [&](int x, int y) {
+        const Barycentric b = perspective_at(run, x, y);
+        return interpolate<V>([&]() -> const FragmentRun& { return run; }, provoking,
+                              [&](size_t i) { return between(run.corners, i, b); }, x, y);
+    };
+    const ivec2 at = fragment.pixel, quad = {at.x & ~1, at.y & ~1};
+    fragment.ddx = difference(helper(quad.x + 1, at.y), helper(quad.x, at.y));
+    fragment.ddy = difference(helper(at.x, quad.y + 1), helper(at.x, quad.y));
+}
+
+template <size_t count>
+[[gnu::always_inline]] inline void set_colors(FragmentBlock& block, size_t at, const FragmentOutput& output) {
+    const auto set = [&](auto& channels, const vec4& color) {
+        channels[0][at] = color.x, channels[1][at] = color.y, channels[2][at] = color.z, channels[3][at] = color.w;
+    };
+    [&]<size_t... c>(std::index_sequence<c...>) { (set(block.color[c], output.color[c]), ...); }
+    (std::make_index_sequence<count>{});
+}
+
+// Runs the program for the fragments of a block; gives it `count` colour targets.
+template <class V, size_t count, class Program>
+void shade(FragmentBlock& block, FragmentFlags flags, ProvokingVertex provoking, const Program& program) {
+    const bool simple = !flags.derivatives && !flags.discards && !flags.writes_depth;
+    if (simple && block.mask == ~std::uint64_t{0}) { // a loop over arrays, for compilers to make vectors of
+        for (size_t at = 0; at < 64; ++at) {
+            const Fragment<V> fragment = fragment_at<V>(block, at, provoking);
+            FragmentOutput output;
+            output.depth = fragment.depth;
+            program(fragment, output);
+            set_colors<count>(block, at, output);
         }
-        FragmentOutput output{FragmentColors(&block.color->front()[at]), fragment.depth};
-        for (size_t c = 0; c < color_count; ++c) output.color[c] = vec4(0.0f); // what a program leaves alone is zero
+        return;
+    }
+    for (std::uint64_t rest = block.mask; rest; rest &= rest - 1) {
+        const auto at = static_cast<size_t>(std::countr_zero(rest));
+        Fragment<V> fragment = fragment_at<V>(block, at, provoking);
+        if constexpr (!std::is_empty_v<V>)
+            if (flags.derivatives) differentiate(block.run_of(at), provoking, fragment);
+        FragmentOutput output;
+        output.depth = fragment.depth;
         program(std::as_const(fragment), output);
-        if (output.discarded) block.kept &= ~(std::uint64_t{1} << bit);
+        set_colors<count>(block, at, output);
+        if (output.discarded) block.kept &= ~(std::uint64_t{1} << at);
         block.depth[at] = output.depth;
     }
 }
@@ -264,20 +300,26 @@ void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, cons
     call.vertices = [&](std::uint32_t begin, std::uint32_t end, vec4* positions, [[maybe_unused]] float* varyings) {
         for (std::uint32_t i = begin; i < end; ++i) {
             if constexpr (std::is_same_v<Output, vec4>) {
-                positions[i] = vertex_program(i);
+                detail::copy_floats(positions + i, vertex_program(i));
             } else {
                 const Output vertex = vertex_program(i);
-                positions[i] = vertex.position;
+                detail::copy_floats(positions + i, vertex.position);
                 if constexpr (has_varyings)
-                    std::memcpy(varyings + i * (sizeof(V) / sizeof(float)), &vertex.varyings, sizeof(V));
+                    detail::copy_floats(varyings + i * (sizeof(V) / sizeof(float)), vertex.varyings);
             }
         }
     };
     if constexpr (!depth_only_program)
-        call.fragments = [&](detail::FragmentBlock& block, const float* varyings) {
-            for (const detail::FragmentRun& run : block.runs)
-                detail::shade_run<V>(block, run, varyings, geometry.triangles, fragment_program.flags,
-                                     state.provoking_vertex, targets.color.size(), fragment_program.program);
+        call.fragments = [&](detail::FragmentBlock& block) {
+            const auto shade = [&]<size_t count>(std::integral_constant<size_t, count>) {
+                detail::shade<V, count>(block, fragment_program.flags, state.provoking_vertex,
+                                        fragment_program.program);
+            };
+            const size_t count = targets.color.size(); // more than the targets do no harm
+            if (count <= 2)
+                shade(std::integral_constant<size_t, 2>{});
+            else
+                shade(std::integral_constant<size_t, max_color_targets>{});
         };
     detail::execute(pass, call, state, targets);
 }

@@ -6,12 +6,8 @@
 
 #include <emmintrin.h>
 
-#include "raster/block_tests.h"
-
 namespace gnomon::detail {
 namespace {
-
-constexpr size_t most_triangles_of_a_list = 1 << 16; // ids hold the list above and the triangle below
 
 // The part of the tile inside the target.
 struct Extent {
@@ -67,12 +63,12 @@ template <class T> void copy_out(std::byte* to, const T* from, int count) {
         std::memcpy(to, from, static_cast<size_t>(count) * sizeof(T));
 }
 
-void load_depth(const Target& target, const Targets& targets, bool load, DepthTile& tile) {
+void load_depth(const Target& target, const Targets& targets, bool load, const Kernels& kernels, DepthTile& tile) {
     tile.unknown = ~std::uint64_t{0}, tile.loose = 0;
     if (load && targets.clear_depth) {
         const auto key =
             static_cast<std::int32_t>(depth_key(target.format(), static_cast<double>(*targets.clear_depth)));
-        std::fill_n(tile.depth, tile_pixels, key);
+        kernels.fill_tile(tile.depth, key);
         std::fill_n(tile.nearest, tile_blocks * tile_blocks, key);
         std::fill_n(tile.farthest, tile_blocks * tile_blocks, key);
         tile.unknown = 0;
@@ -93,20 +89,16 @@ void load_depth(const Target& target, const Targets& targets, bool load, DepthTi
     });
 }
 
-// A patch's row past the caches: four of them fill a cache line in order.
-void stream_out(std::byte* to, const std::int32_t* from, int) {
-    _mm_stream_si128(reinterpret_cast<__m128i*>(to), _mm_load_si128(reinterpret_cast<const __m128i*>(from)));
-}
-
-void store_depth(Target& target, const Targets& targets, const DepthTile& tile) {
+void store_depth(Target& target, const Targets& targets, const DepthTile& tile, const Kernels& kernels) {
     if (target.texel_bytes() == 4) {
-        const std::byte* first = target.texel(tile.x, tile.y, targets.layer, targets.level);
-        const size_t row_bytes = static_cast<size_t>(target.width(targets.level)) * 4;
-        const bool aligned = (reinterpret_cast<std::uintptr_t>(first) | row_bytes) % 64 == 0;
-        if (is_streamed(target) && aligned && extent_of(target, targets.level, tile.x, tile.y).columns == tile_side)
-            for_each_patch_row(target, targets, tile, tile.depth, stream_out);
-        else
+        if (!extent_of(target, targets.level, tile.x, tile.y).whole()) {
             for_each_patch_row(target, targets, tile, tile.depth, copy_out<std::int32_t>);
+            return;
+        }
+        std::byte* first = target.texel(tile.x, tile.y, targets.layer, targets.level);
+        const size_t stride = static_cast<size_t>(target.width(targets.level)) * 4;
+        const bool aligned = (reinterpret_cast<std::uintptr_t>(first) | stride) % 64 == 0;
+        kernels.store_tile(tile.depth, first, stride, aligned && is_streamed(target));
         return;
     }
     for_each_patch_row(target, targets, tile, tile.depth, [](std::byte* to, const std::int32_t* from, int count) {
@@ -130,17 +122,6 @@ void store_counters(Target& target, const Targets& targets, const DepthTile& til
     for_each_patch_row(target, targets, tile, counters, copy_out<T>);
 }
 
-// The load operations of colour targets, for a square of pixels.
-void fill_colors(const Targets& targets, int x, int y, int side) {
-    for (Target* target : targets.color) {
-        if (!target) continue;
-        const int columns = std::min(side, target->width(targets.level) - x);
-        const int rows = std::min(side, target->height(targets.level) - y);
-        if (columns > 0 && rows > 0)
-            target->fill(x, y, columns, rows, targets.layer, targets.level, target->cleared(*targets.clear_color));
-    }
-}
-
 void fill_others(const Targets& targets, const ListState& state, const DepthTile& tile) {
     const bool counting = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
     if (targets.stencil && targets.clear_stencil && !counting) {
@@ -148,96 +129,13 @@ void fill_others(const Targets& targets, const ListState& state, const DepthTile
         targets.stencil->fill(tile.x, tile.y, extent.columns, extent.rows, targets.layer, targets.level,
                               targets.stencil->cleared_uint(*targets.clear_stencil));
     }
-    if (targets.clear_color && state.mode != ListMode::Ids) fill_colors(targets, tile.x, tile.y, tile_side);
-}
-
-// Pixels of the block at (x, y) that exist.
-std::uint64_t existing_pixels(const Target& target, int level, int x, int y) {
-    const int columns = std::min(block_side, target.width(level) - x),
-              rows = std::min(block_side, target.height(level) - y);
-    if (columns <= 0 || rows <= 0) return 0;
-    return ((0xffull >> (8 - columns)) * 0x0101010101010101ull) & (~std::uint64_t{0} >> (8 * (8 - rows)));
-}
-
-// A block's words row by row.
-template <class From, class To> void copy_block(const From* from, int x, int y, To* to) {
-    static_assert(sizeof(From) == sizeof(To));
-    from += place_in_tile(x, y);
-    for (int j = 0; j < block_side; ++j)
-        for (int i = 0; i < block_side; i += patch_side)
-            std::memcpy(to + block_side * j + i, from + place_in_block(i, j), patch_side * sizeof(To));
-}
-
-// Asks for what the corners of some triangles hold.
-void prefetch_corners(const TileDraw& draw, std::span<const FragmentRun> runs) {
-    const auto count = static_cast<size_t>(draw.draw->varying_count);
-    for (const FragmentRun& run : runs) {
-        const uvec3 corner = draw.draw->geometry.triangles[run.triangle->primitive];
-        for (const std::uint32_t vertex : {corner.x, corner.y, corner.z}) {
-            prefetch(draw.positions + vertex);
-            prefetch(draw.varyings + vertex * count);
-        }
+    if (!targets.clear_color || state.mode == ListMode::Ids) return;
+    for (Target* target : targets.color) {
+        if (!target) continue;
+        const Extent extent = extent_of(*target, targets.level, tile.x, tile.y);
+        target->fill(tile.x, tile.y, extent.columns, extent.rows, targets.layer, targets.level,
+                     target->cleared(*targets.clear_color));
     }
-}
-
-// Runs the program for the visible fragments, block by block; with `clear` all others get the targets' clear colour.
-void shade_visible(const TileDraw& draw, const DepthTile& tile, bool clear, std::span<const TileList> lists,
-                   PassCounters& counters) {
-    const Targets& targets = *draw.targets;
-    const bool has_varyings = draw.draw->varying_count > 0;
-    BlockColors colors;
-    FragmentBlock block;
-    block.color = &colors;
-    block.counters = &counters;
-    std::array<FragmentRun, 64> runs;
-    std::array<AttributePlanes, 64> planes;
-    std::array<const ClippedPiece*, 64> pieces;
-    std::array<std::uint32_t, 64> ids;
-    const bool depth_is_key = draw.state->depth.write && targets.depth->format() == Format::D32F; // of what is visible
-    for (int y = 0; y < tile_side; y += block_side)
-        for (int x = 0; x < tile_side; x += block_side) {
-            copy_block(tile.id, x, y, ids.data());
-            const std::uint64_t visible = ~draw.kernels->equal_ids(ids.data(), DepthTile::no_id);
-            block.x = tile.x + x, block.y = tile.y + y;
-            if (!visible) {
-                if (clear) fill_colors(targets, block.x, block.y, block_side);
-                continue;
-            }
-            size_t count = 0;
-            for (std::uint64_t rest = visible; rest; rest &= ~runs[count++].mask) {
-                const int bit = std::countr_zero(rest);
-                const std::uint32_t id = ids[static_cast<size_t>(bit)];
-                const SetupTriangles& chunk = *lists[id / most_triangles_of_a_list].triangles;
-                const SetupTriangle& triangle = chunk.data[id % most_triangles_of_a_list];
-                runs[count] = {&triangle, nullptr, draw.kernels->equal_ids(ids.data(), id)};
-                pieces[count] = chunk.pieces.data();
-                prefetch(&draw.draw->geometry.triangles[triangle.primitive]);
-            }
-            block.runs = std::span(runs.data(), count);
-            if (has_varyings) {
-                prefetch_corners(draw, block.runs);
-                for (size_t k = 0; k < count; ++k) {
-                    planes[k] = attribute_planes(draw, *runs[k].triangle, pieces[k]);
-                    runs[k].planes = &planes[k];
-                    set_varyings(draw, runs[k], block);
-                }
-            }
-            if (depth_is_key) copy_block(tile.depth, x, y, block.depth.data());
-            for (size_t k = 0; k < count && !depth_is_key; ++k) {
-                Depths depth;
-                draw.kernels->depth(*runs[k].triangle, block.x, block.y, runs[k].mask, depth.data());
-                set_depth(runs[k], block, depth);
-            }
-            draw.draw->fragments(block, draw.varyings);
-            std::uint64_t written = visible;
-            if (clear) {
-                written = existing_pixels(*targets.depth, targets.level, block.x, block.y);
-                for (size_t c = 0; c < targets.color.size(); ++c)
-                    for_each_pixel(written & ~visible,
-                                   [&](int bit) { colors[c][static_cast<size_t>(bit)] = *targets.clear_color; });
-            }
-            write_colors(draw, block.x, block.y, targets.layer, written, colors);
-        }
 }
 
 bool counts_only(const StencilFace& face, std::uint32_t maximum) {
@@ -292,9 +190,10 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
     const Targets& targets = *draw.targets;
     DepthTile tile;
     tile.x = tile_x, tile.y = tile_y;
-    load_depth(*targets.depth, targets, load, tile);
+    load_depth(*targets.depth, targets, load, *draw.kernels, tile);
     if (load) fill_others(targets, state, tile);
-    if (state.mode == ListMode::Ids) std::fill_n(tile.id, tile_pixels, DepthTile::no_id);
+    if (state.mode == ListMode::Ids)
+        draw.kernels->fill_tile(reinterpret_cast<std::int32_t*>(tile.id), static_cast<std::int32_t>(DepthTile::no_id));
     if (state.mode == ListMode::Count8) load_counters(*targets.stencil, targets, load, tile, tile.count8);
     if (state.mode == ListMode::Count32) load_counters(*targets.stencil, targets, load, tile, tile.count32);
 
@@ -304,7 +203,8 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
         kernel(state, tile, lists[k].triangles->data.get(), lists[k].indices.data(), lists[k].indices.size(),
                static_cast<std::uint32_t>(k * most_triangles_of_a_list), counts);
 
-    if ((state.write && counts.passed) || (load && targets.clear_depth)) store_depth(*targets.depth, targets, tile);
+    if ((state.write && counts.passed) || (load && targets.clear_depth))
+        store_depth(*targets.depth, targets, tile, *draw.kernels);
     if (counts.counted || (load && targets.clear_stencil)) {
         if (state.mode == ListMode::Count8) store_counters(*targets.stencil, targets, tile, tile.count8);
         if (state.mode == ListMode::Count32) store_counters(*targets.stencil, targets, tile, tile.count32);
@@ -313,7 +213,6 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
     if (state.mode == ListMode::Ids && (counts.passed || clear_color))
         shade_visible(draw, tile, clear_color, lists, counters);
 
-    _mm_sfence(); // what was streamed is seen by whoever comes next
     const std::int64_t depth_bytes = info(targets.depth->format()).bytes;
     const bool stencil = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
     const std::int64_t stencil_bytes = stencil ? info(targets.stencil->format()).bytes : 0;

@@ -8,17 +8,12 @@
 
 #include "raster/depth_tile.h"
 #include "raster/tile.h"
+#include "raster/visible.h"
 
 namespace gnomon::detail {
 
 // How the list kernel has to draw this; none where the state needs the general path of tile.h.
 std::optional<ListState> list_state(const Draw& draw, const PipelineState& state, const Targets& targets);
-
-// Some set-up triangles of a draw, and which of them touch a tile, in order.
-struct TileList {
-    const SetupTriangles* triangles;
-    std::span<const std::uint16_t> indices;
-};
 
 // Draws the lists in order. `load` says that the tile starts with what the targets' load operations give.
 void draw_fast_tile(const TileDraw& tile, const ListState& state, int tile_x, int tile_y, bool load,

@@ -36,6 +36,12 @@ template <class D> HWY_INLINE hn::Mask<D> mask_of(D d, std::uint64_t bits) {
     return hn::LoadMaskBits(d, bytes);
 }
 
+// `first` and the numbers after it, for a first that is not known when compiling: hn::Iota() takes the way over memory.
+template <class D> HWY_INLINE hn::Vec<D> counted_from(D d, double first) {
+    alignas(64) static constexpr double numbers[block_side] = {0, 1, 2, 3, 4, 5, 6, 7};
+    return hn::Add(hn::Set(d, first), hn::Load(d, numbers));
+}
+
 // Pixels of the block at (x, y), relative to the tile, inside all three edges; rows outside [first, last] are not
 // looked at.
 HWY_INLINE std::uint64_t covered_pixels(const TileEdges& edges, int x, int y, int first, int last) {
@@ -77,7 +83,7 @@ template <class D> struct DepthRows {
         const double first = (x + 0.5) - t.x[0] * (1.0 / subpixels); // exact: multiples of 1/512 far below 2⁵³
         for (std::size_t p = 0; p < parts; ++p)
             columns[p] =
-                hn::Mul(hn::Set(d, t.depth_dx), hn::Iota(d, first + static_cast<double>(p * hn::MaxLanes(D()))));
+                hn::Mul(hn::Set(d, t.depth_dx), counted_from(d, first + static_cast<double>(p * hn::MaxLanes(D()))));
     }
     HWY_INLINE double row(int y) const { return value + dy * ((y + 0.5) - anchor_y); }
 

@@ -33,7 +33,7 @@ void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, 
     const double first = (x + 0.5) - t.x[0] * (1.0 / subpixels), anchor_y = t.y[0] * (1.0 / subpixels);
     hn::Vec<decltype(d)> columns[block_side / lanes];
     for (std::size_t p = 0; p < block_side / lanes; ++p)
-        columns[p] = hn::Iota(d, first + static_cast<double>(p * lanes));
+        columns[p] = counted_from(d, first + static_cast<double>(p * lanes));
     for (int j = 0; mask; ++j, mask >>= 8) {
         if (!(mask & 0xff)) continue;
         const double up = (y + j + 0.5) - anchor_y;
@@ -42,12 +42,12 @@ void barycentrics(const SetupTriangle& t, const AttributePlanes& planes, int x, 
                 return hn::Add(hn::Set(d, plane.value + plane.dy * up), hn::Mul(hn::Set(d, plane.dx), columns[p]));
             };
             const std::size_t at = 8 * static_cast<std::size_t>(j) + p * lanes;
-            const auto over_w = value(planes.inverse_w);
+            const auto over_w = value(planes.inverse_w());
             const auto w = hn::Div(hn::Set(d, 1.0), over_w);
             const auto lanes_in = mask_of(f, (mask & 0xff) >> (p * lanes));
             hn::BlendedStore(hn::DemoteTo(f, over_w), lanes_in, f, inverse_w + at);
-            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.second), w)), lanes_in, f, second + at);
-            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.third), w)), lanes_in, f, third + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.second()), w)), lanes_in, f, second + at);
+            hn::BlendedStore(hn::DemoteTo(f, hn::Mul(value(planes.third()), w)), lanes_in, f, third + at);
         }
     }
 }
@@ -69,13 +69,39 @@ void varyings(const float* v0, const float* v1, const float* v2, std::size_t cou
     }
 }
 
-std::uint64_t equal_ids(const std::uint32_t* ids, std::uint32_t id) {
-    const hn::CappedTag<std::uint32_t, 16> u;
-    const auto wanted = hn::Set(u, id);
-    std::uint64_t equal = 0;
-    for (std::size_t k = 0; k < 64; k += hn::MaxLanes(u))
-        equal |= bits_of(u, hn::Eq(hn::LoadU(u, ids + k), wanted)) << k;
-    return equal;
+void fill_tile(std::int32_t* tile, std::int32_t word) {
+    const hn::CappedTag<std::int32_t, patch_pixels> d;
+    const auto words = hn::Set(d, word);
+    for (std::size_t at = 0; at < tile_pixels; at += hn::Lanes(d)) hn::Store(words, d, tile + at);
+}
+
+// The words of one row in `lanes / 4` patches side by side, the first of which is at `patch`.
+template <class D> HWY_INLINE hn::Vec<D> across_patches(D d, const std::int32_t* patch) {
+#if HWY_TARGET != HWY_SCALAR
+    constexpr std::size_t lanes = hn::MaxLanes(D());
+    if constexpr (lanes > patch_side) {
+        const hn::Half<D> half;
+        // From an even number of patches to as many more is to the next block, but from one to the next in a block.
+        constexpr std::size_t next = lanes == 2 * patch_side ? patch_pixels : block_pixels;
+        return hn::Combine(d, across_patches(half, patch + next), across_patches(half, patch));
+    } else
+#endif
+        return hn::LoadU(d, patch);
+}
+
+void store_tile(const std::int32_t* tile, std::byte* rows, std::size_t stride, bool stream) {
+    const hn::CappedTag<std::int32_t, patch_pixels> d;
+    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<std::int32_t, patch_pixels>());
+    for (int y = 0; y < tile_side; ++y, rows += stride) {
+        auto* to = reinterpret_cast<std::int32_t*>(rows);
+        for (int x = 0; x < tile_side; x += static_cast<int>(lanes)) {
+            const auto words = across_patches(d, tile + place_in_tile(x & -patch_side, y) + (x & (patch_side - 1)));
+            if (stream)
+                hn::Stream(words, d, to + x);
+            else
+                hn::StoreU(words, d, to + x);
+        }
+    }
 }
 
 template <Compare test, class D, class V> HWY_INLINE hn::Mask<D> passes(D d, V fresh, V stored) {
@@ -144,11 +170,14 @@ std::uint64_t test_d32f(const SetupTriangle& t, int x, int y, std::uint64_t mask
 
 const Kernels* table() {
 #if HWY_TARGET == HWY_AVX3
-    static constexpr Kernels kernels = {"avx512", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx512", coverage,  depth,     barycentrics,
+                                        varyings, test_d32f, fill_tile, store_tile};
 #elif HWY_TARGET == HWY_AVX2
-    static constexpr Kernels kernels = {"avx2", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"avx2",   coverage,  depth,     barycentrics,
+                                        varyings, test_d32f, fill_tile, store_tile};
 #else
-    static constexpr Kernels kernels = {"plain", coverage, depth, barycentrics, varyings, test_d32f, equal_ids};
+    static constexpr Kernels kernels = {"plain",  coverage,  depth,     barycentrics,
+                                        varyings, test_d32f, fill_tile, store_tile};
 #endif
     return &kernels;
 }

@@ -38,8 +38,12 @@ struct Kernels {
     std::uint64_t (*test_d32f)(const SetupTriangle& triangle, int x, int y, std::uint64_t mask, float* stored,
                                std::size_t stride, Compare test, bool write);
 
-    // Pixels of a block of 64 ids, row by row, that hold `id`.
-    std::uint64_t (*equal_ids)(const std::uint32_t* ids, std::uint32_t id);
+    // Fills a whole tile with one word.
+    void (*fill_tile)(std::int32_t* tile, std::int32_t word);
+
+    // A whole tile's words, which lie patch by patch (depth_tile.h), to rows `stride` bytes apart; with `stream` past
+    // the caches, where the rows are aligned to 64 bytes.
+    void (*store_tile)(const std::int32_t* tile, std::byte* rows, std::size_t stride, bool stream);
 };
 
 // Throws UsageError where GNOMON_ISA names no instruction set, or one that this machine lacks.

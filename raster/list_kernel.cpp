@@ -20,11 +20,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <ListMode mode, KeyKind kind, bool less>
 HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                               std::uint32_t id, TileCounts& counts) {
-    constexpr bool with_ids = mode == ListMode::Ids, counting = mode == ListMode::Count8 || mode == ListMode::Count32;
+    constexpr bool with_ids = mode == ListMode::Ids, counting = is_counting(mode);
     const TileEdges tile_edge = tile_edges(t, state.conservative, tile.x, tile.y);
     if (tile_edge.empty) return;
+    if constexpr (!counting)
+        if (tile_edge.crossed) return draw_large<mode, kind, less>(state, tile, t, box, tile_edge, id, counts);
     const BlockEdges edges(tile_edge);
-    const DepthKeys<kind> depth(t, state.key_scale);
+    const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
     const std::uint32_t columns = (2u << c1) - (1u << c0);
     // Columns of blocks that the box holds whole.
@@ -47,7 +49,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
         const int first = r * tile_blocks;
         Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
         if (large && touched & ~(verdicts.all | verdicts.none)) { // what the whole triangle's range leaves open
-            bound_depths(depth, tile.x, tile.y + y, low, high);
+            bound_depths(depth, y, low, high);
             prepare_bounds(state, tile, r, touched, low, high);
             verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
             bounded = true;
@@ -84,7 +86,9 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
                 if (passed && state.write) loosen_bounds(state, tile, block, low[column], high[column]);
             }
             counts.passed += bit_count(passed);
-            if constexpr (counting) count_fragments<mode>(state, tile, t.front, block, covered, passed, counts);
+            if constexpr (counting)
+                count_fragments<mode, block_pixels>(
+                    state, tile, t.front, block_pixels * static_cast<std::size_t>(block), covered, passed, counts);
         }
     }
 }
@@ -92,7 +96,6 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
 template <ListMode mode, KeyKind kind, bool less>
 void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
               std::size_t count, std::uint32_t first_id, TileCounts& counts) {
-    constexpr bool counting = mode == ListMode::Count8 || mode == ListMode::Count32;
     constexpr std::size_t ahead = 8; // triangles on their way from memory
     for (std::size_t k = 0; k < count; ++k) {
         if (k + ahead < count) {
@@ -102,10 +105,10 @@ void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* tria
         const SetupTriangle& t = triangles[list[k]];
         const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
-        if (t.small && !counting && (box.x1 >> 2) - (box.x0 >> 2) > 2)
-            draw_medium<mode == ListMode::Ids, kind, less>(state, tile, t, box, id, counts);
-        else if (t.small && !counting)
-            draw_small<mode == ListMode::Ids, kind, less>(state, tile, t, box, id, counts);
+        if (t.extent != Extent::Large && (box.x1 >> 2) - (box.x0 >> 2) > 2)
+            draw_medium<mode, kind, less>(state, tile, t, box, id, counts);
+        else if (t.extent != Extent::Large)
+            draw_small<mode, kind, less>(state, tile, t, box, id, counts);
         else
             draw_blocks<mode, kind, less>(state, tile, t, box, id, counts);
     }

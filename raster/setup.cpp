@@ -39,9 +39,11 @@ AttributePlanes planes_of(const SetupTriangle& t, const std::array<dvec3, 3>& ba
                                              1.0 / static_cast<double>(w.z)};
     const auto plane = [&](const auto& value) { return frame.through({value(0), value(1), value(2)}); };
     AttributePlanes planes;
-    planes.inverse_w = frame.through(inverse_w);
-    planes.second = plane([&](size_t i) { return barycentric[i].y * inverse_w[i]; });
-    planes.third = plane([&](size_t i) { return barycentric[i].z * inverse_w[i]; });
+    planes.set(0, frame.through(inverse_w));
+    planes.set(1, plane([&](size_t i) { return barycentric[i].y * inverse_w[i]; }));
+    planes.set(2, plane([&](size_t i) { return barycentric[i].z * inverse_w[i]; }));
+    planes.set(3, {0, 0, 0});
+    planes.anchor_x = t.anchor_x(), planes.anchor_y = t.anchor_y();
     if (linear) {
         planes.second_linear = plane([&](size_t i) { return barycentric[i].y; });
         planes.third_linear = plane([&](size_t i) { return barycentric[i].z; });
@@ -65,9 +67,9 @@ void clip_triangle(const SetupState& state, const std::array<vec4, 3>& corners, 
     for (std::uint32_t i = 1; static_cast<int>(i) + 1 < polygon.count; ++i)
         if (corner(0).position.w > 0 && corner(i).position.w > 0 && corner(i + 1).position.w > 0)
             fan[pieces++] = {0, i, i + 1};
-    const size_t before = survivors.count;
+    const size_t before = survivors.count, empty_before = survivors.empty;
     detail::setup_kernels().cull(state, window.data(), fan.data(), pieces, 0, polygon.mirrored, survivors);
-    if (survivors.count == before) ++out.counts.culled;
+    if (survivors.count == before && survivors.empty == empty_before) ++out.counts.culled;
     for (size_t k = before; k < survivors.count; ++k) {
         const uvec3 piece = fan[survivors.primitive[k]];
         survivors.primitive[k] = primitive;
@@ -108,6 +110,7 @@ TileEdges tile_edges(const SetupTriangle& t, bool conservative, int tile_x, int 
         const std::int64_t most = base + span * (std::max<std::int64_t>(a, 0) + std::max<std::int64_t>(b, 0));
         const bool inside = least >= 0;
         edges.empty |= most < 0;
+        edges.crossed |= !inside;
         edges.base[e] = inside || most < 0 ? 0 : static_cast<std::int32_t>(base);
         edges.a[e] = inside ? 0 : static_cast<std::int32_t>(a);
         edges.b[e] = inside ? 0 : static_cast<std::int32_t>(b);
@@ -172,10 +175,10 @@ void set_up_triangles(const SetupState& state, const vec4* positions, const Wind
     };
     for (size_t i = 0; i < triangles.size();) {
         if (survivors.count + step + most_pieces > Survivors::capacity) flush();
-        const size_t count = std::min(step, triangles.size() - i), before = survivors.count;
+        const size_t count = std::min(step, triangles.size() - i), before = survivors.count + survivors.empty;
         const size_t seen =
             kernels.cull(state, window, &triangles[i], count, first + static_cast<std::uint32_t>(i), false, survivors);
-        out.counts.culled += static_cast<std::int64_t>(seen - (survivors.count - before));
+        out.counts.culled += static_cast<std::int64_t>(seen - (survivors.count + survivors.empty - before));
         i += seen;
         if (seen == count) continue;
         const uvec3 t = triangles[i];

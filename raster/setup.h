@@ -30,6 +30,11 @@ struct Plane {
     double value, dx, dy; // at the triangle's anchor, and per pixel
 };
 
+// Small: at most 64 pixels wide and high before any box cut it, so that edge functions around it fit 32 bits, and
+// floats. SmallCut: small, but its edges alone do not tell what is inside: the target's or scissor's edge cuts it, or
+// it is drawn conservatively.
+enum class Extent : std::uint8_t { Large, SmallCut, Small };
+
 struct SetupTriangle {
     std::int32_t x[4], y[4]; // snapped corners in 1/256 pixel, counter-clockwise from the anchor; [3] is [0] again
     float depth;             // window depth at the anchor
@@ -42,8 +47,7 @@ struct SetupTriangle {
     std::uint8_t first;           // which submitted corner is the anchor; of a piece: of its own corners
     bool reversed;                // the corners run against the order of submission
     bool front;
-    bool small; // at most 64 pixels wide and high before any box cut it: edge functions around it fit 32 bits, and
-                // floats
+    Extent extent;
 
     static constexpr std::uint32_t whole = 0xffffffffu;
 
@@ -67,14 +71,21 @@ inline constexpr int tile_side = 1 << tile_shift; // pixels: every edge function
 // with the whole tile inside is replaced by zeros (always ≥ 0); the values of all others fit 32 bits within the tile.
 struct TileEdges {
     std::int32_t base[3], a[3], b[3];
-    bool empty = false;
+    bool empty = false, crossed = false; // the tile lies outside of an edge; on both sides of one
 };
 TileEdges tile_edges(const SetupTriangle& triangle, bool conservative, int tile_x, int tile_y);
 
 // What interpolation needs, as planes: 1/w, the second and third barycentric coordinate over w (perspective), and the
 // two as they are (linear in the window).
 struct AttributePlanes {
-    Plane inverse_w, second, third, second_linear, third_linear;
+    alignas(32) double value[4], dx[4], dy[4]; // the first three, as they fit a vector; the fourth is none
+    double anchor_x, anchor_y;                 // the triangle's
+    Plane second_linear, third_linear;
+
+    void set(size_t i, const Plane& p) { value[i] = p.value, dx[i] = p.dx, dy[i] = p.dy; }
+    Plane inverse_w() const { return {value[0], dx[0], dy[0]}; }
+    Plane second() const { return {value[1], dx[1], dy[1]}; }
+    Plane third() const { return {value[2], dx[2], dy[2]}; }
 };
 
 // A triangle cut from a clipped one: its corners' barycentric coordinates in the submitted triangle, and their w.

@@ -116,6 +116,29 @@ template <class D, class V> struct PixelRange {
     }
 };
 
+// Which triangles hold none of the four pixel centres from (column, row) on; those must be all that their boxes hold.
+// Coordinates around such a small triangle are small, so that 32 bits hold its edge functions.
+template <class D, class V, class M>
+HWY_INLINE auto holds_no_centre(D d, const CornerCoordinates<V>& v, M clockwise, V column, V row) {
+    const V x[3] = {v.x[0], hn::IfThenElse(clockwise, v.x[2], v.x[1]), hn::IfThenElse(clockwise, v.x[1], v.x[2])};
+    const V y[3] = {v.y[0], hn::IfThenElse(clockwise, v.y[2], v.y[1]), hn::IfThenElse(clockwise, v.y[1], v.y[2])};
+    const V centre_x = hn::Add(hn::ShiftLeft<8>(column), hn::Set(d, 128));
+    const V centre_y = hn::Add(hn::ShiftLeft<8>(row), hn::Set(d, 128));
+    V outside[4]; // its sign
+    for (int e = 0; e < 3; ++e) {
+        const int next = (e + 1) % 3;
+        const V a = hn::Sub(y[e], y[next]), b = hn::Sub(x[next], x[e]);
+        // The fill rule's −1 on exclusive edges: a < 0, or a = 0 and b < 0.
+        const auto exclusive = hn::Or(hn::Lt(a, hn::Zero(d)), hn::And(hn::Eq(a, hn::Zero(d)), hn::Lt(b, hn::Zero(d))));
+        const V at = hn::Add(hn::Add(hn::Mul(a, hn::Sub(centre_x, x[e])), hn::Mul(b, hn::Sub(centre_y, y[e]))),
+                             hn::VecFromMask(d, exclusive));
+        const V right = hn::Add(at, hn::ShiftLeft<8>(a)), up = hn::ShiftLeft<8>(b);
+        const V values[4] = {at, right, hn::Add(at, up), hn::Add(right, up)};
+        for (int k = 0; k < 4; ++k) outside[k] = e == 0 ? values[k] : hn::Or(outside[k], values[k]);
+    }
+    return hn::Lt(hn::And(hn::And(outside[0], outside[1]), hn::And(outside[2], outside[3])), hn::Zero(d));
+}
+
 // The lanes below `count` of one vector of triangles. Returns how many lanes were looked at.
 std::size_t cull_part(const SetupState& state, const std::int32_t* window, const std::uint32_t* triangles,
                       std::size_t count, std::uint32_t first, bool mirrored, Survivors& out) {
@@ -157,9 +180,18 @@ std::size_t cull_part(const SetupState& state, const std::int32_t* window, const
     const bool whole_pixels = state.conservative || state.multisampled;
     PixelRange<decltype(i), hn::Vec<decltype(i)>> columns(i, v.x[0], v.x[1], v.x[2], whole_pixels);
     PixelRange<decltype(i), hn::Vec<decltype(i)>> rows(i, v.y[0], v.y[1], v.y[2], whole_pixels);
+    const auto tiny = hn::And(hn::Lt(hn::Sub(columns.last, columns.first), hn::Set(i, 2)),
+                              hn::Lt(hn::Sub(rows.last, rows.first), hn::Set(i, 2)));
+    const auto column = columns.first, row = rows.first;
     columns.clamp(i, state.drawable.x, state.drawable.width);
     rows.clamp(i, state.drawable.y, state.drawable.height);
     alive = hn::AndNot(hn::Or(hn::Gt(columns.first, columns.last), hn::Gt(rows.first, rows.last)), alive);
+    const auto suspect = hn::And(alive, tiny);
+    if (!whole_pixels && !hn::AllFalse(i, suspect)) {
+        const auto empty = hn::And(suspect, holds_no_centre(i, v, hn::RebindMask(i, negative), column, row));
+        out.empty += hn::CountTrue(i, empty);
+        alive = hn::AndNot(empty, alive);
+    }
     if (hn::AllFalse(i, alive)) return count;
 
     const std::size_t at = out.count;
@@ -200,7 +232,7 @@ struct FinishedPart {
     alignas(64) std::int32_t x[3][lanes], y[3][lanes];
     alignas(64) float z[lanes], z_minimum[lanes], z_maximum[lanes];
     alignas(64) double dx[lanes], dy[lanes];
-    alignas(64) std::int32_t x0[lanes], y0[lanes], x1[lanes], y1[lanes], first[lanes], reversed[lanes], small[lanes];
+    alignas(64) std::int32_t x0[lanes], y0[lanes], x1[lanes], y1[lanes], first[lanes], reversed[lanes], extent[lanes];
 };
 
 void finish_part(const SetupState& state, const Survivors& in, std::size_t at, FinishedPart& out) {
@@ -268,11 +300,18 @@ void finish_part(const SetupState& state, const Survivors& in, std::size_t at, F
     const V limit = hn::Set(i, 64);
     const auto small =
         hn::And(hn::Lt(hn::Sub(columns.last, columns.first), limit), hn::Lt(hn::Sub(rows.last, rows.first), limit));
-    hn::StoreU(hn::IfThenElseZero(small, hn::Set(i, 1)), i, out.small);
+    const auto whole_columns = columns, whole_rows = rows;
     columns.clamp(i, state.drawable.x, state.drawable.width);
     rows.clamp(i, state.drawable.y, state.drawable.height);
     hn::StoreU(columns.first, i, out.x0), hn::StoreU(columns.last, i, out.x1);
     hn::StoreU(rows.first, i, out.y0), hn::StoreU(rows.last, i, out.y1);
+    const auto kept =
+        hn::And(hn::And(hn::Eq(columns.first, whole_columns.first), hn::Eq(columns.last, whole_columns.last)),
+                hn::And(hn::Eq(rows.first, whole_rows.first), hn::Eq(rows.last, whole_rows.last)));
+    const auto extent = [](Extent e) { return static_cast<std::int32_t>(e); };
+    const V uncut = hn::Set(i, extent(state.conservative ? Extent::SmallCut : Extent::Small));
+    const V small_extent = hn::IfThenElse(kept, uncut, hn::Set(i, extent(Extent::SmallCut)));
+    hn::StoreU(hn::IfThenElse(small, small_extent, hn::Set(i, extent(Extent::Large))), i, out.extent);
     for (int c = 0; c < 3; ++c) hn::StoreU(v.x[c], i, out.x[c]), hn::StoreU(v.y[c], i, out.y[c]);
 }
 
@@ -295,7 +334,7 @@ void finish(const SetupState& state, const Survivors& in, SetupTriangle* triangl
             t.reversed = part.reversed[k] != 0;
             t.front = ((part.reversed[k] == 0) != (in.mirrored[at + k] != 0)) ==
                       (state.front_face == FrontFace::CounterClockwise);
-            t.small = part.small[k] != 0;
+            t.extent = static_cast<Extent>(part.extent[k]);
         }
     }
 }

@@ -13,6 +13,7 @@ struct Survivors {
     static constexpr std::size_t capacity = 512;
     static constexpr std::size_t slack = 16; // written beyond the count, one vector
     std::size_t count = 0;
+    std::size_t empty = 0; // triangles that were dropped besides: neither culled nor here, since they cover no pixel
     alignas(64) std::int32_t x[3][capacity + slack], y[3][capacity + slack];
     alignas(64) float z[3][capacity + slack];
     alignas(64) std::uint32_t primitive[capacity + slack];
@@ -30,8 +31,8 @@ struct SetupKernels {
     // Window vertices of clip positions.
     void (*to_window)(const SetupState& state, const vec4* positions, std::size_t count, WindowVertex* window);
 
-    // Appends those triangles that are not culled; the k-th is primitive `first` + k. Returns how many it looked at: it
-    // stops before the first that needs clipping. Room for `count` more is asked for.
+    // Appends those triangles that are not culled and may cover a pixel; the k-th is primitive `first` + k. Returns how
+    // many it looked at: it stops before the first that needs clipping. Room for `count` more is asked for.
     std::size_t (*cull)(const SetupState& state, const WindowVertex* window, const uvec3* triangles, std::size_t count,
                         std::uint32_t first, bool mirrored, Survivors& survivors);
 

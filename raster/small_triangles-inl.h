@@ -7,7 +7,9 @@
 #define GNOMON_SMALL_TRIANGLES_INL
 #endif
 
-#include "raster/depth_keys-inl.h"
+#include <type_traits>
+
+#include "raster/stencil_counts-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
@@ -55,137 +57,234 @@ HWY_INLINE std::uint64_t blocks_of(const LocalBox& box) {
     return (columns * 0x0101010101010101ull) & rows;
 }
 
-// The edge functions of a triangle over one patch, and how to step to the next.
-struct PatchEdges {
-    using Floats = hn::CappedTag<float, patch_pixels>;
-    using Float = hn::Vec<Floats>;
-    Float value[3][int_parts], right[3], up[3];
+template <class V> HWY_INLINE auto nonnegative(V v) {
+    const hn::DFromV<V> d;
+    if constexpr (std::is_integral_v<hn::TFromV<V>>)
+        return hn::Gt(v, hn::Set(d, -1));
+    else
+        return hn::Ge(v, hn::Zero(d));
+}
 
-    HWY_INLINE explicit PatchEdges(const SmallEdges& edges) {
-        const Floats f;
+// The edge functions of a triangle over one patch: floats where they hold them exactly, integers otherwise.
+template <class T> struct PatchEdges {
+    using Lane = hn::CappedTag<T, patch_pixels>;
+    using Values = hn::Vec<Lane>;
+    Values value[3][int_parts], right[3], up[3]; // `right` and `up`: the step to the next patch
+
+    HWY_INLINE PatchEdges(const T* base, const T* a, const T* b) {
+        const Lane d;
         for (std::size_t e = 0; e < 3; ++e) {
-            const auto a = hn::Set(f, edges.a[e]), b = hn::Set(f, edges.b[e]);
-            right[e] = hn::Mul(a, hn::Set(f, static_cast<float>(patch_side)));
-            up[e] = hn::Mul(b, hn::Set(f, static_cast<float>(patch_side)));
+            const auto right_step = hn::Set(d, a[e]), up_step = hn::Set(d, b[e]);
+            right[e] = hn::Mul(right_step, hn::Set(d, T{patch_side}));
+            up[e] = hn::Mul(up_step, hn::Set(d, T{patch_side}));
             for (std::size_t p = 0; p < int_parts; ++p) {
-                const auto x = hn::Mul(a, hn::Load(f, patch_places<float>.x + p * int_lanes));
-                const auto y = hn::Mul(b, hn::Load(f, patch_places<float>.y + p * int_lanes));
-                value[e][p] = hn::Add(hn::Add(hn::Set(f, edges.base[e]), x), y);
+                const auto x = hn::Mul(right_step, hn::Load(d, patch_places<T>.x + p * int_lanes));
+                const auto y = hn::Mul(up_step, hn::Load(d, patch_places<T>.y + p * int_lanes));
+                value[e][p] = hn::Add(hn::Add(hn::Set(d, base[e]), x), y);
             }
         }
     }
-    HWY_INLINE void move(const Float* step) {
+    HWY_INLINE void move(const Values* step) {
         for (std::size_t e = 0; e < 3; ++e)
             for (std::size_t p = 0; p < int_parts; ++p) value[e][p] = hn::Add(value[e][p], step[e]);
     }
     HWY_INLINE Lanes inside(std::size_t p) const {
-        const Floats f;
-        const auto least = hn::Min(hn::Min(value[0][p], value[1][p]), value[2][p]);
-        return hn::RebindMask(Ints(), hn::Ge(least, hn::Zero(f)));
+        return hn::RebindMask(Ints(), nonnegative(hn::Min(hn::Min(value[0][p], value[1][p]), value[2][p])));
     }
 };
 
-// Patch by patch, without asking any bounds.
-template <bool with_ids, KeyKind kind, bool less>
+// What a triangle did in a tile.
+struct DrawnPixels {
+    std::uint64_t covered = 0, passed = 0;
+
+    HWY_INLINE void add_to(TileCounts& counts, const ListState& state, DepthTile& tile, const LocalBox& box) const {
+        counts.covered += static_cast<std::int64_t>(covered);
+        counts.passed += static_cast<std::int64_t>(passed);
+        if (state.write && passed) tile.unknown |= blocks_of(box);
+    }
+};
+
+// Tests one patch and does what follows from it. With `whole`, all of its pixels count, whatever `inside` says.
+template <ListMode mode, bool less, bool whole, KeyKind kind>
+HWY_INLINE void draw_patch(const ListState& state, DepthTile& tile, bool front, const DepthKeys<kind>& depth,
+                           const typename DepthKeys<kind>::Columns& columns, const typename DepthKeys<kind>::Rows& rows,
+                           std::size_t at, const Lanes* inside, std::uint32_t id, DrawnPixels& drawn,
+                           TileCounts& counts) {
+    std::uint64_t covered = whole ? 0xffff : 0;
+    for (std::size_t p = 0; !whole && p < int_parts; ++p) covered |= bits_of(Ints(), inside[p]) << (p * int_lanes);
+    const std::uint64_t passed =
+        test_patch<mode == ListMode::Ids, less, whole>(state, tile, depth, columns, rows, at, inside, false, id);
+    drawn.covered += whole ? patch_pixels : hwy::PopCount(covered);
+    drawn.passed += hwy::PopCount(passed);
+    if constexpr (is_counting(mode))
+        count_fragments<mode, patch_pixels>(state, tile, front, at, covered, passed, counts);
+}
+
+// Pixels of the patch row at y that lie in the box's rows; of one column of patches, those in the box's columns.
+HWY_INLINE std::uint32_t row_pixels(const LocalBox& box, int y) {
+    return (0xffffu >> (4 * most(y + 3 - box.y1, 0))) & (0xffffu << (4 * most(box.y0 - y, 0)));
+}
+HWY_INLINE std::uint32_t column_pixels(const LocalBox& box, int x) {
+    return ((0xfu >> most(x + 3 - box.x1, 0)) & (0xfu << most(box.x0 - x, 0)) & 0xf) * 0x1111u;
+}
+
+// Where the n-th patch of a row of patches lies in the tile.
+struct PatchOffsets {
+    std::uint16_t column[tile_patches], row[tile_patches];
+    constexpr PatchOffsets() : column(), row() {
+        for (std::size_t n = 0; n < tile_patches; ++n) {
+            column[n] = static_cast<std::uint16_t>(place_in_tile(static_cast<int>(n) * patch_side, 0));
+            row[n] = static_cast<std::uint16_t>(place_in_tile(0, static_cast<int>(n) * patch_side));
+        }
+    }
+};
+constexpr PatchOffsets patch_offsets;
+HWY_INLINE std::size_t place_of_patch(int column, int row) {
+    return std::size_t{patch_offsets.column[column]} + patch_offsets.row[row];
+}
+
+// A triangle of few patches: one after the other, without asking which it touches.
+template <ListMode mode, KeyKind kind, bool less>
 HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                              std::uint32_t id, TileCounts& counts) {
     const Ints i;
-    const DepthKeys<kind> depth(t, state.key_scale);
-    const int x0 = box.x0 & -patch_side, y0 = box.y0 & -patch_side;
-    PatchEdges row_edges(SmallEdges(t, state.conservative, tile.x + x0, tile.y + y0));
-    const auto first_columns = depth.columns(tile.x + x0);
-    std::uint64_t covered = 0, passed = 0;
-    for (int y = y0; y <= box.y1; y += patch_side) {
-        const auto rows = depth.rows(tile.y + y);
-        const std::uint32_t row_bits =
-            (0xffffu >> (4 * most(y + 3 - box.y1, 0))) & (0xffffu << (4 * most(box.y0 - y, 0)));
-        PatchEdges edges = row_edges;
+    const DepthKeys<kind> depth(t, tile, state.key_scale);
+    const int first = box.x0 / patch_side, last = box.x1 / patch_side, first_row = box.y0 / patch_side;
+    const SmallEdges small(t, state.conservative, tile.x + first * patch_side, tile.y + first_row * patch_side);
+    PatchEdges<float> row_edges(small.base, small.a, small.b);
+    const auto first_columns = depth.columns(static_cast<std::size_t>(first));
+    DrawnPixels drawn;
+    for (int row = first_row, last_row = box.y1 / patch_side;;) {
+        const auto rows = depth.rows(static_cast<std::size_t>(row));
+        PatchEdges<float> edges = row_edges;
         auto columns = first_columns;
-        for (int x = x0;;) {
-            const std::uint32_t column_bits =
-                ((0xfu >> most(x + 3 - box.x1, 0)) & (0xfu << most(box.x0 - x, 0)) & 0xf) * 0x1111u;
+        for (int n = first;;) {
             Lanes inside[int_parts];
-            for (std::size_t p = 0; p < int_parts; ++p) {
-                inside[p] = hn::And(edges.inside(p), mask_of(i, (row_bits & column_bits) >> (p * int_lanes)));
-                covered += hwy::PopCount(bits_of(i, inside[p]));
+            for (std::size_t p = 0; p < int_parts; ++p) inside[p] = edges.inside(p);
+            if (t.extent != Extent::Small) {
+                const std::uint32_t in_box = row_pixels(box, row * patch_side) & column_pixels(box, n * patch_side);
+                for (std::size_t p = 0; p < int_parts; ++p)
+                    inside[p] = hn::And(inside[p], mask_of(i, in_box >> (p * int_lanes)));
             }
-            const std::size_t at = place_in_tile(x, y);
-            passed +=
-                hwy::PopCount(test_patch<with_ids, less>(state, tile, depth, columns, rows, at, inside, false, id));
-            x += patch_side;
-            if (x > box.x1) break;
+            draw_patch<mode, less, false>(state, tile, t.front, depth, columns, rows, place_of_patch(n, row), inside,
+                                          id, drawn, counts);
+            if (++n > last) break;
             edges.move(edges.right);
-            columns = depth.columns(tile.x + x);
+            columns = depth.columns(static_cast<std::size_t>(n));
         }
+        if (++row > last_row) break;
         row_edges.move(row_edges.up);
     }
-    counts.covered += static_cast<std::int64_t>(covered);
-    counts.passed += static_cast<std::int64_t>(passed);
-    if (state.write && passed) tile.unknown |= blocks_of(box);
+    drawn.add_to(counts, state, tile, box);
 }
 
-// Patch by patch too, but asking first which patches of a row the triangle touches, and which it covers.
-template <bool with_ids, KeyKind kind, bool less>
-HWY_NOINLINE void draw_medium(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
-                              std::uint32_t id, TileCounts& counts) {
-    using Floats = PatchEdges::Floats; // the patches of a row, or the pixels of a patch
+// A row of patches across the tile, one lane each: which of them the triangle touches, and which it covers.
+template <class T> struct RowOfPatches {
     static_assert(tile_side == patch_side * static_cast<int>(patch_pixels));
-    const Ints i;
-    const Floats f;
-    const DepthKeys<kind> depth(t, state.key_scale);
-    const int y0 = box.y0 & -patch_side, first = box.x0 / patch_side, last = box.x1 / patch_side;
-    const SmallEdges at_tile(t, state.conservative, tile.x, tile.y + y0);
-    PatchEdges edges(at_tile);
-    hn::Vec<Floats> corner[3][int_parts], most_inside[3], least_inside[3];
-    for (std::size_t e = 0; e < 3; ++e) {
-        const auto a = hn::Set(f, at_tile.a[e]), b = hn::Set(f, at_tile.b[e]), zero = hn::Zero(f);
-        const auto span = hn::Set(f, static_cast<float>(patch_side - 1));
-        most_inside[e] = hn::Mul(span, hn::Add(hn::Max(a, zero), hn::Max(b, zero)));
-        least_inside[e] = hn::Mul(span, hn::Add(hn::Min(a, zero), hn::Min(b, zero)));
-        for (std::size_t p = 0; p < int_parts; ++p)
-            corner[e][p] = hn::Add(hn::Set(f, at_tile.base[e]),
-                                   hn::Mul(hn::Iota(f, static_cast<float>(p * int_lanes)), edges.right[e]));
-    }
-    const std::uint32_t box_columns = (2u << last) - (1u << first);
-    const std::uint32_t left = ((0xfu << (box.x0 & 3)) & 0xf) * 0x1111u, right = (0xfu >> (3 - (box.x1 & 3))) * 0x1111u;
-    std::uint64_t covered = 0, passed = 0;
-    for (int y = y0; y <= box.y1; y += patch_side) {
-        std::uint64_t touched = 0, whole = 0;
-        for (std::size_t p = 0; p < int_parts; ++p) {
-            const auto at_least = [&](const hn::Vec<Floats>* offset) {
-                const auto least = hn::Min(hn::Min(hn::Add(corner[0][p], offset[0]), hn::Add(corner[1][p], offset[1])),
-                                           hn::Add(corner[2][p], offset[2]));
-                return bits_of(f, hn::Ge(least, hn::Zero(f))) << (p * int_lanes);
-            };
-            touched |= at_least(most_inside), whole |= at_least(least_inside);
-            for (std::size_t e = 0; e < 3; ++e) corner[e][p] = hn::Add(corner[e][p], edges.up[e]);
-        }
-        const auto rows = depth.rows(tile.y + y);
-        const std::uint32_t row_bits =
-            (0xffffu >> (4 * most(y + 3 - box.y1, 0))) & (0xffffu << (4 * most(box.y0 - y, 0)));
-        for (auto rest = static_cast<std::uint32_t>(touched) & box_columns; rest; rest &= rest - 1) {
-            const int n = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest)), x = n * patch_side;
-            const std::uint32_t bits = row_bits & (n == first ? left : 0xffffu) & (n == last ? right : 0xffffu);
-            Lanes inside[int_parts];
+    using Lane = typename PatchEdges<T>::Lane;
+    hn::Vec<Lane> corner[3][int_parts], most_inside[3], least_inside[3];
+    alignas(64) T right[3][patch_pixels]; // from the row's first patch to each
+
+    HWY_INLINE RowOfPatches(const PatchEdges<T>& edges, const T* base, const T* a, const T* b) {
+        const Lane d;
+        for (std::size_t e = 0; e < 3; ++e) {
+            const auto right_step = hn::Set(d, a[e]), up_step = hn::Set(d, b[e]), zero = hn::Zero(d);
+            const auto span = hn::Set(d, T{patch_side - 1});
+            most_inside[e] = hn::Mul(span, hn::Add(hn::Max(right_step, zero), hn::Max(up_step, zero)));
+            least_inside[e] = hn::Mul(span, hn::Add(hn::Min(right_step, zero), hn::Min(up_step, zero)));
             for (std::size_t p = 0; p < int_parts; ++p) {
-                inside[p] = mask_of(i, bits >> (p * int_lanes));
-                if (!(whole >> n & 1)) {
-                    const auto column = hn::Set(f, static_cast<float>(n));
-                    auto least = hn::Add(edges.value[0][p], hn::Mul(column, edges.right[0]));
-                    for (std::size_t e = 1; e < 3; ++e)
-                        least = hn::Min(least, hn::Add(edges.value[e][p], hn::Mul(column, edges.right[e])));
-                    inside[p] = hn::And(inside[p], hn::RebindMask(i, hn::Ge(least, hn::Zero(f))));
-                }
-                covered += hwy::PopCount(bits_of(i, inside[p]));
+                const auto offset = hn::Mul(hn::Iota(d, static_cast<T>(p * int_lanes)), edges.right[e]);
+                hn::Store(offset, d, right[e] + p * int_lanes);
+                corner[e][p] = hn::Add(hn::Set(d, base[e]), offset);
             }
-            passed += hwy::PopCount(test_patch<with_ids, less>(state, tile, depth, depth.columns(tile.x + x), rows,
-                                                               place_in_tile(x, y), inside, false, id));
+        }
+    }
+    HWY_INLINE std::uint32_t touched() const { return at_least(most_inside); }
+    HWY_INLINE std::uint32_t whole() const { return at_least(least_inside); }
+    HWY_INLINE void move(const hn::Vec<Lane>* step) {
+        for (std::size_t e = 0; e < 3; ++e)
+            for (std::size_t p = 0; p < int_parts; ++p) corner[e][p] = hn::Add(corner[e][p], step[e]);
+    }
+    // Pixels of patch n inside the edges, of which `row` are those at the row's first patch.
+    HWY_INLINE Lanes inside(const PatchEdges<T>& row, std::size_t n, std::size_t p) const {
+        const Lane d;
+        auto least = hn::Add(row.value[0][p], hn::Set(d, right[0][n]));
+        for (std::size_t e = 1; e < 3; ++e) least = hn::Min(least, hn::Add(row.value[e][p], hn::Set(d, right[e][n])));
+        return hn::RebindMask(Ints(), nonnegative(least));
+    }
+
+private:
+    HWY_INLINE std::uint32_t at_least(const hn::Vec<Lane>* offset) const {
+        const Lane d;
+        std::uint64_t bits = 0;
+        for (std::size_t p = 0; p < int_parts; ++p) {
+            const auto least = hn::Min(hn::Min(hn::Add(corner[0][p], offset[0]), hn::Add(corner[1][p], offset[1])),
+                                       hn::Add(corner[2][p], offset[2]));
+            bits |= bits_of(d, nonnegative(least)) << (p * int_lanes);
+        }
+        return static_cast<std::uint32_t>(bits);
+    }
+};
+
+// A triangle of more patches: asking first which patches of a row it touches, and which it covers. The edges are those
+// at the tile's first column and the row of patches at y0.
+template <ListMode mode, KeyKind kind, bool less, class T>
+HWY_INLINE void draw_rows(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box, int y0,
+                          const T* base, const T* a, const T* b, std::uint32_t id, TileCounts& counts) {
+    const Ints i;
+    const DepthKeys<kind> depth(t, tile, state.key_scale);
+    const int first = box.x0 / patch_side, last = box.x1 / patch_side;
+    PatchEdges<T> edges(base, a, b);
+    RowOfPatches<T> row(edges, base, a, b);
+    const std::uint32_t box_columns = (2u << last) - (1u << first);
+    const std::uint32_t left = column_pixels(box, first * patch_side), right = column_pixels(box, last * patch_side);
+    typename DepthKeys<kind>::Columns columns[patch_pixels];
+    for (int n = first; n <= last; ++n) columns[n] = depth.columns(static_cast<std::size_t>(n));
+    // Columns of patches that the box holds whole: of those that an edge covers it may still cut some away.
+    const std::uint32_t whole_columns =
+        box_columns & ~((left != 0xffff ? 1u << first : 0) | (right != 0xffff ? 1u << last : 0));
+    DrawnPixels drawn;
+    for (int y = y0; y <= box.y1; y += patch_side) {
+        const auto rows = depth.rows(static_cast<std::size_t>(y / patch_side));
+        const std::uint32_t in_rows = row_pixels(box, y), touched = row.touched() & box_columns;
+        const std::uint32_t whole = in_rows == 0xffff ? row.whole() & whole_columns : 0;
+        const auto place = [&](std::size_t n) { return place_of_patch(static_cast<int>(n), y / patch_side); };
+        for (std::uint32_t rest = whole; rest; rest &= rest - 1) {
+            const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
+            draw_patch<mode, less, true>(state, tile, t.front, depth, columns[n], rows, place(n), nullptr, id, drawn,
+                                         counts);
+        }
+        for (std::uint32_t rest = touched & ~whole; rest; rest &= rest - 1) {
+            const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
+            const std::uint32_t in_box = in_rows & (static_cast<int>(n) == first ? left : 0xffffu) &
+                                         (static_cast<int>(n) == last ? right : 0xffffu);
+            Lanes inside[int_parts];
+            for (std::size_t p = 0; p < int_parts; ++p)
+                inside[p] = hn::And(mask_of(i, in_box >> (p * int_lanes)), row.inside(edges, n, p));
+            draw_patch<mode, less, false>(state, tile, t.front, depth, columns[n], rows, place(n), inside, id, drawn,
+                                          counts);
         }
         edges.move(edges.up);
+        row.move(edges.up);
     }
-    counts.covered += static_cast<std::int64_t>(covered);
-    counts.passed += static_cast<std::int64_t>(passed);
-    if (state.write && passed) tile.unknown |= blocks_of(box);
+    drawn.add_to(counts, state, tile, box);
+}
+
+template <ListMode mode, KeyKind kind, bool less>
+HWY_NOINLINE void draw_medium(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
+                              std::uint32_t id, TileCounts& counts) {
+    const int y0 = box.y0 & -patch_side;
+    const SmallEdges edges(t, state.conservative, tile.x, tile.y + y0);
+    draw_rows<mode, kind, less>(state, tile, t, box, y0, edges.base, edges.a, edges.b, id, counts);
+}
+
+template <ListMode mode, KeyKind kind, bool less>
+HWY_NOINLINE void draw_large(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
+                             const TileEdges& edges, std::uint32_t id, TileCounts& counts) {
+    const int y0 = box.y0 & -patch_side;
+    std::int32_t base[3];
+    for (std::size_t e = 0; e < 3; ++e) base[e] = edges.base[e] + edges.b[e] * y0;
+    draw_rows<mode, kind, less>(state, tile, t, box, y0, base, edges.a, edges.b, id, counts);
 }
 
 } // namespace gnomon::detail::HWY_NAMESPACE

@@ -134,7 +134,7 @@ private:
 };
 
 // Targets of this size are written past the caches, which they would only empty.
-inline bool is_streamed(const Target& target) { return target.bytes() >= std::int64_t{8} << 20; }
+inline bool is_streamed(const Target& target) { return target.bytes() >= std::int64_t{6} << 20; }
 
 // What a draw or a full-screen pass writes to: one layer and one level of each. All of one size; any may be absent.
 struct Targets {

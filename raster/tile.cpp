@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <emmintrin.h>
 #include <optional>
 
 #include "raster/blend.h"
 #include "raster/block_tests.h"
+#include "raster/shading_kernels.h"
 
 namespace gnomon::detail {
 namespace {
@@ -50,24 +50,38 @@ bool reads_color(const PipelineState& state, const FormatInfo& format) {
 }
 
 // Colours that are stored as they are.
-void write_texels(Target& target, int x, int y, int layer, int level, std::uint64_t mask,
-                  const std::array<vec4, 64>& colors) {
+template <class Texel>
+void write_texels(Target& target, int x, int y, int layer, int level, std::uint64_t mask, const Texel* texels) {
     const bool stream = is_streamed(target);
     for_each_row(mask, [&](int j, std::uint32_t lanes) {
         std::byte* to = target.texel(x, y + j, layer, level);
-        const vec4* from = colors.data() + 8 * j;
+        const Texel* from = texels + block_side * j;
+        constexpr size_t row_bytes = block_side * sizeof(Texel);
         if (lanes != 0xff) {
             for (; lanes; lanes &= lanes - 1) {
                 const int i = std::countr_zero(lanes);
-                std::memcpy(to + 16 * i, from + i, 16);
+                std::memcpy(to + static_cast<int>(sizeof(Texel)) * i, from + i, sizeof(Texel));
             }
-        } else if (stream && reinterpret_cast<std::uintptr_t>(to) % 16 == 0) {
-            for (int i = 0; i < block_side; ++i)
-                _mm_stream_ps(reinterpret_cast<float*>(to + 16 * i), _mm_loadu_ps(&from[i].x));
+        } else if (row_bytes % 64 == 0 && stream && reinterpret_cast<std::uintptr_t>(to) % 64 == 0) {
+            shading_kernels().stream(from, to, row_bytes);
         } else {
-            std::memcpy(to, from, 16 * block_side);
+            std::memcpy(to, from, row_bytes);
         }
     });
+}
+
+// How many 32-bit channels, 1 or 4, each texel has, where they are stored as programs give them; 0 where not.
+size_t plain_words(const TileDraw& tile, const Target& target, std::uint8_t channels) {
+    if (tile.state->blend.enabled || tile.state->logic_op != LogicOp::Copy) return 0;
+    switch (target.format()) {
+    case Format::R32F:
+    case Format::R32UI:
+        return channels & 1 ? 1 : 0;
+    case Format::RGBA32F:
+        return channels == 15 ? 4 : 0;
+    default:
+        return 0;
+    }
 }
 
 // The planes of a triangle's varyings, made when the first of its fragments asks.
@@ -95,25 +109,29 @@ struct Sample {
 struct Shading {
     const TileDraw& tile;
     PassCounters& counters;
-    BlockColors colors;
     FragmentBlock block;
     const AttributePlanes* planes;
 
     Shading(const TileDraw& t, LazyPlanes& attributes, int x, int y, PassCounters& c)
         : tile(t), counters(c), planes(attributes.get()) {
         block.x = x, block.y = y;
-        block.color = &colors;
+        block.run = {};
         block.counters = &c;
     }
     // Runs it for the lanes; returns those that it keeps.
     std::uint64_t run(const SetupTriangle& triangle, std::uint64_t lanes, const Depths& depth) {
-        const FragmentRun run = {&triangle, planes, lanes};
-        block.runs = {&run, 1};
-        block.kept = lanes;
+        const uvec3 corner = tile.draw->geometry.triangles[triangle.primitive];
+        const FragmentRun run = {
+            &triangle,
+            planes,
+            {varyings_of(tile, corner.x), varyings_of(tile, corner.y), varyings_of(tile, corner.z)},
+            lanes};
+        block.runs = &run;
+        block.mask = block.kept = lanes;
         set_depth(run, block, depth);
         set_varyings(tile, run, block);
         counters.fragments_shaded += std::popcount(lanes);
-        tile.draw->fragments(block, tile.varyings);
+        tile.draw->fragments(block);
         return block.kept;
     }
 };
@@ -189,7 +207,8 @@ void draw_block(const TileDraw& tile, const SetupTriangle& triangle, LazyPlanes&
     const ColorBytes bytes = color_bytes(tile);
     for (const Sample& sample : samples) {
         if (!sample.mask) continue;
-        write_colors(tile, x, y, sample.layer, sample.mask, shading.colors);
+        for (size_t c = 0; c < tile.targets->color.size(); ++c)
+            write_color(tile, c, x, y, sample.layer, sample.mask, shading.block.color[c]);
         counters.bytes_read += std::popcount(sample.mask) * bytes.read;
         counters.bytes_written += std::popcount(sample.mask) * bytes.written;
     }
@@ -207,11 +226,9 @@ void set_varyings(const TileDraw& tile, const FragmentRun& run, FragmentBlock& b
     if (!run.planes) return;
     tile.kernels->barycentrics(*run.triangle, *run.planes, block.x, block.y, run.mask, block.inverse_w.data(),
                                block.second.data(), block.third.data());
-    const uvec3 corner = tile.draw->geometry.triangles[run.triangle->primitive];
-    const auto count = static_cast<size_t>(tile.draw->varying_count);
-    tile.kernels->varyings(tile.varyings + corner.x * count, tile.varyings + corner.y * count,
-                           tile.varyings + corner.z * count, count, run.mask, block.second.data(), block.third.data(),
-                           block.varyings.front().data());
+    tile.kernels->varyings(run.corners[0], run.corners[1], run.corners[2],
+                           static_cast<size_t>(tile.draw->varying_count), run.mask, block.second.data(),
+                           block.third.data(), block.varyings.front().data());
 }
 
 AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces) {
@@ -235,32 +252,39 @@ ColorBytes color_bytes(const TileDraw& tile) {
     return bytes;
 }
 
-void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const BlockColors& colors) {
+void write_color(const TileDraw& tile, size_t c, int x, int y, int layer, std::uint64_t mask,
+                 const BlockColors::value_type& color) {
     const int level = tile.targets->level;
-    for (size_t c = 0; c < tile.targets->color.size(); ++c) {
-        Target* target = tile.targets->color[c];
-        const std::uint8_t channels = tile.state->color_mask[c];
-        if (!target || channels == 0) continue;
-        if (target->format() == Format::RGBA32F && channels == 15 && !tile.state->blend.enabled) {
-            write_texels(*target, x, y, layer, level, mask, colors[c]);
-            continue;
-        }
-        const bool integer = info(target->format()).kind == FormatInfo::Kind::Uint;
-        for_each_pixel(mask, [&](int bit) {
-            const int px = x + (bit & 7), py = y + (bit >> 3);
-            const vec4 source = colors[c][static_cast<size_t>(bit)];
-            if (integer) {
-                const glm::uvec4 bits = glm::floatBitsToUint(source);
-                target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer, level),
-                                   channels, level);
-            } else if (tile.state->blend.enabled) {
-                target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer, level)),
-                              channels, level);
-            } else {
-                target->store(px, py, layer, source, channels, level);
-            }
-        });
+    Target* target = tile.targets->color[c];
+    const std::uint8_t channels = tile.state->color_mask[c];
+    if (!target || channels == 0) return;
+    const size_t words = plain_words(tile, *target, channels);
+    if (words == 1) {
+        write_texels(*target, x, y, layer, level, mask, color.front().data());
+        return;
     }
+    if (words == 4) {
+        alignas(64) std::array<vec4, block_pixels> texels;
+        shading_kernels().interleave(color.data(), texels.data(), block_side);
+        write_texels(*target, x, y, layer, level, mask, texels.data());
+        return;
+    }
+    const bool integer = info(target->format()).kind == FormatInfo::Kind::Uint;
+    for_each_pixel(mask, [&](int bit) {
+        const int px = x + (bit & 7), py = y + (bit >> 3);
+        const auto at = static_cast<size_t>(bit);
+        const vec4 source(color[0][at], color[1][at], color[2][at], color[3][at]);
+        if (integer) {
+            const glm::uvec4 bits = glm::floatBitsToUint(source);
+            target->store_uint(px, py, layer, combined(tile.state->logic_op, bits, *target, px, py, layer, level),
+                               channels, level);
+        } else if (tile.state->blend.enabled) {
+            target->store(px, py, layer, blend(tile.state->blend, source, target->load(px, py, layer, level)), channels,
+                          level);
+        } else {
+            target->store(px, py, layer, source, channels, level);
+        }
+    });
 }
 
 void draw_in_tile(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces, int tile_x,

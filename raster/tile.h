@@ -19,6 +19,9 @@ struct TileDraw {
 
 // The planes of a triangle's varyings; `pieces` are those of its chunk.
 AttributePlanes attribute_planes(const TileDraw& tile, const SetupTriangle& triangle, const ClippedPiece* pieces);
+inline const float* varyings_of(const TileDraw& tile, std::uint32_t vertex) {
+    return tile.varyings + size_t{vertex} * static_cast<size_t>(tile.draw->varying_count);
+}
 
 using Depths = std::array<double, 64>;
 
@@ -26,8 +29,9 @@ using Depths = std::array<double, 64>;
 void set_depth(const FragmentRun& run, FragmentBlock& block, const Depths& depth);
 void set_varyings(const TileDraw& tile, const FragmentRun& run, FragmentBlock& block);
 
-// Writes what the fragment program gave to the colour targets, for the pixels of the mask in the block at (x, y).
-void write_colors(const TileDraw& tile, int x, int y, int layer, std::uint64_t mask, const BlockColors& colors);
+// Writes what the fragment program gave to colour target c, for the pixels of the mask in the block at (x, y).
+void write_color(const TileDraw& tile, size_t c, int x, int y, int layer, std::uint64_t mask,
+                 const BlockColors::value_type& color);
 
 // Draws the part of the triangle inside the tile whose lower left pixel is (tile_x, tile_y). Adds the fragment and byte
 // counters.

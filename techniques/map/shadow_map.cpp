@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 #include "raster/draw.h"
@@ -101,13 +103,68 @@ MapTap tap_outside(const LightMap& map, int layer, int x, int y, float depth) {
             static_cast<float>(std::min(1.0, f / (f - n) * (1.0 - n / other_distance)))};
 }
 
+namespace {
+
+int floor_of(float coordinate) { // without a call
+    const int whole = static_cast<int>(coordinate);
+    return whole - (coordinate < static_cast<float>(whole));
+}
+
+// The columns of a kernel's taps, and what the receiver's plane adds to the depth there.
+struct TapColumns {
+    static constexpr int most = 64;
+    std::array<int, most> x;
+    std::array<float, most> slope;
+    int least = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min(); // of the columns
+    bool consecutive = true;
+
+    TapColumns(const MapPoint& point, int n, float reach) {
+        for (int u = 0; u < n; ++u) {
+            const auto i = static_cast<size_t>(u);
+            x[i] = floor_of(point.texel.x + kernel_cell(u, n) * reach);
+            slope[i] = point.gradient.x * (static_cast<float>(x[i]) + 0.5f - point.texel.x);
+            least = std::min(least, x[i]), last = std::max(last, x[i]);
+            consecutive &= x[i] == x[0] + u;
+        }
+    }
+};
+
+// How many of a row's taps are lit; all texels are there.
+int lit_taps(const ShadowMap& map, const MapPoint& point, const TapColumns& columns, int n, int y) {
+    const float up = point.gradient.y * (static_cast<float>(y) + 0.5f - point.texel.y);
+    int lit = 0;
+    const auto count = [&](const auto& stored) {
+        for (int u = 0; u < n; ++u) {
+            const float depth = std::min(1.0f, point.depth + (columns.slope[static_cast<size_t>(u)] + up));
+            lit += depth <= stored(u) ? 1 : 0;
+        }
+    };
+    if (columns.consecutive && map.depth.format() == Format::D32F) {
+        const float* row = map.depth.row<float>(y, point.layer) + columns.x[0];
+        count([row](int u) { return row[u]; });
+    } else {
+        count([&](int u) { return map.depth.depth(columns.x[static_cast<size_t>(u)], y, point.layer); });
+    }
+    return lit;
+}
+
+} // namespace
+
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters) {
-    const auto texel = [](float coordinate) { return static_cast<int>(std::floor(coordinate)); };
+    assert(n >= 1 && n <= TapColumns::most);
+    const TapColumns columns(point, n, reach.x);
+    const int size = map.params.size;
+    const bool inside = columns.least >= 0 && columns.last < size;
     int lit = 0;
     for (int v = 0; v < n; ++v) {
-        const int y = texel(point.texel.y + kernel_cell(v, n) * reach.y);
+        const int y = floor_of(point.texel.y + kernel_cell(v, n) * reach.y);
+        if (inside && y >= 0 && y < size) {
+            lit += lit_taps(map, point, columns, n, y);
+            count_texels(map.depth, n, counters);
+            continue;
+        }
         for (int u = 0; u < n; ++u) {
-            const int x = texel(point.texel.x + kernel_cell(u, n) * reach.x);
+            const int x = columns.x[static_cast<size_t>(u)];
             lit += shadow_test(map, point.layer, x, y, point.depth_at(x, y), counters) > 0.0f;
         }
     }

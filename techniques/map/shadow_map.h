@@ -131,7 +131,7 @@ inline float shadow_test(const ShadowMap& map, int layer, int x, int y, float de
 inline float kernel_cell(int i, int n) { return (static_cast<float>(2 * i + 1) / static_cast<float>(n)) - 1.0f; }
 
 // Mean of n×n nearest shadow tests at offsets spread evenly over ±reach texels around the point: the centres of n×n
-// cells, v outer and u inner. [Reeves et al. 1987; Macedo 2018, 2.4]
+// cells, v outer and u inner; n from 1 to 64. [Reeves et al. 1987; Macedo 2018, 2.4]
 float percentage_closer(const ShadowMap& map, const MapPoint& point, int n, vec2 reach, PassCounters& counters);
 
 // The same at any offsets from the point, in texels.
