@@ -31,7 +31,9 @@ std::map<std::string, Attribute> image_attributes(const Stage& stage, const Fram
                                                   const TechniqueRequest& technique) {
     std::string lights;
     for (const Light& light : stage.lights) lights += (lights.empty() ? "" : ", ") + light.name;
-    const nlohmann::json parameters = parameters_json(technique.entry->parameters, technique.parameters);
+    nlohmann::json parameters = parameters_json(technique.entry->parameters, technique.parameters);
+    if (parameters.value("method", "") == "exact")
+        for (const char* unused : {"samples", "pattern", "seed"}) parameters.erase(unused);
     const dmat4 view = view_matrix(stage.camera);
     return {{"gnomon:version", GNOMON_VERSION},
             {"gnomon:scene", stage.scene.name},

@@ -30,8 +30,11 @@ void add_parameters(CLI::App& command, TruthOptions& options) {
     }
 }
 
-// The exact method is one go over the whole image.
-void check_exact(const LongRunOptions& long_run) {
+// The exact method takes no samples, and is one go over the whole image.
+void check_exact(const CLI::App& command, const LongRunOptions& long_run) {
+    for (const char* option : {"--samples", "--pattern", "--seed"})
+        if (command.count(option) > 0)
+            throw UsageError(fmt::format("{} does not go with --method exact, which takes no samples", option));
     for (const auto& [given, option] :
          {std::pair(long_run.resume, "--resume"), std::pair(long_run.keep_state, "--keep-state"),
           std::pair(!long_run.tiles.empty(), "--tiles")})
@@ -41,7 +44,7 @@ void check_exact(const LongRunOptions& long_run) {
                 option));
 }
 
-void run(TruthOptions& options) {
+void run(const CLI::App& command, TruthOptions& options) {
     if (!options.merge.empty()) {
         if (extension(options.output) != ".exr")
             throw UsageError(fmt::format("--output is '{}', but --merge writes an .exr", options.output));
@@ -58,7 +61,7 @@ void run(TruthOptions& options) {
         throw UsageError(
             fmt::format("--output is '{}', but a share of an image is written as one .exr", options.output));
     const bool exact = options.parameters["method"] == "exact";
-    if (exact) check_exact(options.long_run);
+    if (exact) check_exact(command, options.long_run);
     RenderRequest request = read_render_options(options);
     if (!exact) request.long_run = long_run;
     run_render(request);
@@ -78,7 +81,7 @@ void add_truth_command(CLI::App& program) {
     command->add_option("--merge", options->merge, "put the shares of an image together, and do nothing else")
         ->type_name("SHARE.exr...")
         ->group("Long runs");
-    command->callback([options] { run(*options); });
+    command->callback([command, options] { run(*command, *options); });
 }
 
 } // namespace gnomon

@@ -229,7 +229,7 @@ EmbreeScene::SeenCount EmbreeScene::seen_samples(const Receiver& receiver, std::
                                                  std::span<const float> y, std::span<const float> z,
                                                  std::span<std::uint16_t> seen) const {
     constexpr size_t packet = ShadowRays::packet_size;
-    ShadowRays rays = implementation_->shadow_rays(receiver, true);
+    ShadowRays rays = rays_from(receiver);
     SeenCount answer;
     for (size_t first = 0; first < x.size(); first += packet) {
         const size_t count = std::min(packet, x.size() - first);
@@ -239,6 +239,10 @@ EmbreeScene::SeenCount EmbreeScene::seen_samples(const Receiver& receiver, std::
         answer.rays += ones(mask.traced);
     }
     return answer;
+}
+
+ShadowRays EmbreeScene::rays_from(const Receiver& receiver) const {
+    return implementation_->shadow_rays(receiver, true);
 }
 
 bool EmbreeScene::visible_direction(const Receiver& receiver, vec3 unit_direction) const {

@@ -16,6 +16,8 @@
 
 namespace gnomon {
 
+class ShadowRays;
+
 class EmbreeScene {
 public:
     explicit EmbreeScene(const Scene& scene); // `scene` must outlive this
@@ -52,6 +54,9 @@ public:
                            std::span<const float> z, std::span<std::uint16_t> seen) const;
 
     bool seen_direction(const Receiver& receiver, vec3 unit_direction) const;
+
+    // The rays of seen_samples, for who asks packet by packet. The scene must outlive them.
+    ShadowRays rays_from(const Receiver& receiver) const;
 
     ShadowOrigin shadow_origin(const Receiver& receiver) const;
     std::array<vec3, 3> corners(std::uint32_t triangle) const;

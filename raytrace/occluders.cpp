@@ -3,6 +3,8 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #include <hwy/foreach_target.h>
 
+#include <algorithm>
+
 #include "raytrace/occluders.h"
 #include "raytrace/vectors-inl.h"
 
@@ -57,7 +59,7 @@ HWY_INLINE void reach_of_boxes(const Pyramid& pyramid, const Float* low, const F
     range[3] = hn::IfThenElse(known, grown(b_high, b_low, center_b, 2 * pyramid.wrong_b), hn::Set(d, unbounded));
 }
 
-std::size_t touch(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBox* touched) {
+void touch(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBoxes& touched) {
     std::size_t count = 0;
     const Float origin[3] = {hn::Set(d, pyramid.origin.x), hn::Set(d, pyramid.origin.y), hn::Set(d, pyramid.origin.z)};
     const Float growth = hn::Set(d, pyramid.growth);
@@ -89,17 +91,23 @@ std::size_t touch(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBox* to
         for (int i = 0; i < 4; ++i) hn::Store(range[i], d, ranges[i]);
         for (; inside; inside &= inside - 1) {
             const auto i = static_cast<unsigned>(__builtin_ctz(inside));
-            touched[count++] = {static_cast<std::uint32_t>(first) + i, ranges[0][i], ranges[1][i], ranges[2][i],
-                                ranges[3][i]};
+            touched.box[count] = static_cast<std::uint32_t>(first) + i;
+            touched.a_low[count] = ranges[0][i], touched.a_high[count] = ranges[1][i];
+            touched.b_low[count] = ranges[2][i], touched.b_high[count] = ranges[3][i];
+            ++count;
         }
     }
-    return count;
+    touched.count = count;
+    std::fill_n(touched.a_low.begin() + static_cast<std::ptrdiff_t>(count), 16, unbounded);
+    std::fill_n(touched.a_high.begin() + static_cast<std::ptrdiff_t>(count), 16, -unbounded);
 }
 
 // What project() finds for some triangles of a cluster.
 struct Projection {
     Vector edge[3];
-    Float margin, a[2], b[2];
+    Float margin, least; // the latter is below |n·d| of any ray d that passes inside all edges for certain
+    Float height[3], lowest, highest; // of the corners; the latter two with their rounding
+    Float a[2], b[2];
     Mask hides_nothing, hides_all, nearer;
 };
 
@@ -107,17 +115,22 @@ struct Projection {
 // take the very same float differences and sums. The cross product is then off by at most 4 u of the sum of its terms'
 // magnitudes m (two rounded products, one difference), its product with d by another 3 u, and the tolerance that Embree
 // allows is 2 u of the three functions' sum, 6 u of the largest. Twice the former, for Embree and for us, and the
-// latter make 20 u·Σ m·|d|; 24 are allowed.
+// latter make 20 u·Σ m·|d|; 24 are allowed. The magnitudes are here the
+// largest of the three edges. So an edge function beyond the margin is at least 17 u·Σ m·|d| in truth, and n·d, half of
+// the three's sum, more than 24 u·Σ m·|d|.
 HWY_INLINE void project_edges(const Pyramid& pyramid, const Vector* v, Projection& to) {
     const Vector center = set(pyramid.center), axis_a = set(pyramid.axis_a), axis_b = set(pyramid.axis_b);
-    const Vector weight = hn::Set(d, 24 * u) * set(pyramid.reach) + set(pyramid.slack);
+    const Vector reach = set(pyramid.reach), weight = hn::Set(d, 24 * u) * reach + set(pyramid.slack);
     constexpr int from[3] = {0, 1, 2}, end[3] = {2, 0, 1};
-    to.margin = hn::Zero(d);
+    Vector longest = set(vec3(0.0f)), farthest = longest;
     for (int k = 0; k < 3; ++k) {
         const Vector difference = v[end[k]] - v[from[k]], sum = v[end[k]] + v[from[k]];
         to.edge[k] = cross(difference, sum);
-        to.margin = hn::Max(to.margin, dot(cross_magnitudes(magnitudes(difference), magnitudes(sum)), weight));
+        longest = larger(longest, magnitudes(difference)), farthest = larger(farthest, magnitudes(sum));
     }
+    const Vector terms = cross_magnitudes(longest, farthest);
+    to.margin = dot(terms, weight);
+    to.least = hn::Mul(hn::Set(d, 24 * u), dot(terms, reach));
     Mask positive[3], negative[3];
     for (int k = 0; k < 3; ++k) {
         const Float middle = dot(to.edge[k], center);
@@ -150,35 +163,102 @@ HWY_INLINE Mask separates(const Pyramid& pyramid, const Vector* v, const Vector&
     return found;
 }
 
-// The depth test: with n the triangle's normal, Embree takes t = (v₀·n) / (d·n) and asks for 0 ≤ t ≤ end. Both products
-// have the same n, so what is wrong with its length does not matter and the test is the sign of n·(end·d − v₀), known
-// where it is larger than: 16 u of n's terms times the vector (the difference between Embree's n and ours), 8 u of each
-// product's terms (products, sums, the division), and the slack.
-HWY_INLINE void project_depth(const Pyramid& pyramid, const Vector* v, Projection& to) {
-    const Vector e0 = v[2] - v[0], e1 = v[0] - v[1];
-    const Vector normal = cross(e0, e1), size = magnitudes(normal);
-    const Vector wrong = hn::Set(d, 16 * u) * cross_magnitudes(magnitudes(e0), magnitudes(e1));
-    const Vector center = set(pyramid.center), axis_a = set(pyramid.axis_a), axis_b = set(pyramid.axis_b);
-    const Vector spread = magnitudes(axis_a) + magnitudes(axis_b), start = magnitudes(v[0]);
-    const Float eight = hn::Set(d, 8 * u);
+// How high the corners are between the apex and the light's plane.
+HWY_INLINE void project_heights(const Pyramid& pyramid, const Vector* v, Projection& to) {
+    const Vector height = set(pyramid.height), size = magnitudes(height);
+    to.lowest = hn::Set(d, unbounded), to.highest = hn::Set(d, -unbounded);
+    for (int k = 0; k < 3; ++k) {
+        const Float wrong = hn::Mul(hn::Set(d, 8 * u), dot(magnitudes(v[k]), size));
+        to.height[k] = dot(v[k], height);
+        to.lowest = hn::Min(to.lowest, hn::Sub(to.height[k], wrong));
+        to.highest = hn::Max(to.highest, hn::Add(to.height[k], wrong));
+    }
+}
 
-    const Float apex = dot(normal, v[0]), distance = hn::Abs(apex);
-    const Mask apex_known = hn::Gt(distance, hn::MulAdd(eight, dot(size, start), dot(wrong, start)));
-    const Float width = hn::Add(hn::Abs(dot(normal, axis_a)), hn::Abs(dot(normal, axis_b)));
-    const Float terms = dot(size, start + magnitudes(center) + spread);
-    const Float slack = dot(size + wrong, set(pyramid.slack));
+// The depth test: with n the triangle's normal, Embree takes t = (v₀·n) / (d·n) and asks for 0 ≤ t ≤ end. Ours and
+// Embree's n differ by at most `off`, that of the triangle as it is, before its corners are rounded to v, by `turned`:
+// its edges differ by u of their ends and 2 u of themselves.
+struct Plane {
+    Vector e0, e1, normal, size, wrong, off, turned, start;
+    Float apex; // v₀·n
+};
+HWY_INLINE Plane plane_of(const Vector* v) {
+    Plane p;
+    p.e0 = v[2] - v[0], p.e1 = v[0] - v[1];
+    p.normal = cross(p.e0, p.e1), p.size = magnitudes(p.normal), p.start = magnitudes(v[0]);
+    p.apex = dot(p.normal, v[0]);
+    const Vector size0 = magnitudes(p.e0), size1 = magnitudes(p.e1);
+    p.wrong = hn::Set(d, 16 * u) * cross_magnitudes(size0, size1);
+    p.off = p.wrong + hn::Set(d, 16 * u) * p.size;
+    const Vector moved0 = hn::Set(d, u) * (p.start + magnitudes(v[2])) + hn::Set(d, 2 * u) * size0;
+    const Vector moved1 = hn::Set(d, u) * (p.start + magnitudes(v[1])) + hn::Set(d, 2 * u) * size1;
+    p.turned = cross_magnitudes(moved0, size1) + cross_magnitudes(size0, moved1) + p.off;
+    return p;
+}
+
+// A ray that passes inside all edges for certain meets the triangle between the heights of its corners, and its t is as
+// certain as n·d is large: with τ what v₀·n may be off by and δ what d·n may be, Embree's t lies between those
+// heights but for τ / (n·d) and a factor 1 ± δ / (n·d). The hit is not left behind where the ray's end is beyond the
+// plane, which at the end is (1 − t)·n·d away.
+HWY_INLINE Mask meets_before_end(const Pyramid& pyramid, const Plane& plane, const Projection& from) {
+    const Vector reach = set(pyramid.reach);
+    const Float off_start = dot(plane.off, plane.start), off_way = dot(plane.off, reach);
+    const Float low = hn::Mul(from.lowest, hn::Set(d, 1.0f - pyramid.wrong_height));
+    const Float high = hn::Mul(from.highest, hn::Set(d, 1.0f + 2.0f * pyramid.wrong_height));
+    const Float end = hn::Set(d, pyramid.end_minimum * (1.0f - 16 * u));
+    const Mask after_start = hn::Gt(hn::Mul(low, from.least), hn::Mul(hn::Set(d, 2.0f), off_start));
+    const Mask before_end = hn::Lt(hn::MulAdd(high, from.least, off_start), hn::Mul(end, hn::Sub(from.least, off_way)));
+    const Mask ends_beyond =
+        hn::Gt(hn::Mul(hn::Sub(hn::Set(d, 1.0f), high), from.least), dot(plane.turned, reach + plane.start));
+    return hn::And(hn::And(after_start, before_end), ends_beyond);
+}
+
+// Whether a point of the receiver's triangle near the apex is certainly on the apex's side of the plane, and so a
+// corner is.
+HWY_INLINE Mask starts_off_plane(const Pyramid& pyramid, const Plane& plane) {
+    const Vector near = set(vec3(pyramid.own_distance));
+    return hn::Gt(hn::Abs(plane.apex), hn::Add(dot(plane.size, near), dot(plane.turned, plane.start + near)));
+}
+
+// Both products have the same n, so what is wrong with its length does not matter and the test is the sign of
+// n·(end·d − v₀), known where it is larger than: 16 u of n's terms times the vector (the difference between Embree's n
+// and ours), 8 u of each product's terms (products, sums, the division), and the slack.
+HWY_INLINE void cross_plane(const Pyramid& pyramid, const Vector* v, const Plane& plane, Mask& nearer, Mask& misses) {
+    const Vector center = set(pyramid.center), axis_a = set(pyramid.axis_a), axis_b = set(pyramid.axis_b);
+    const Vector spread = magnitudes(axis_a) + magnitudes(axis_b);
+    const Float eight = hn::Set(d, 8 * u);
+    const Mask apex_known =
+        hn::Gt(hn::Abs(plane.apex), hn::MulAdd(eight, dot(plane.size, plane.start), dot(plane.wrong, plane.start)));
+    const Float width = hn::Add(hn::Abs(dot(plane.normal, axis_a)), hn::Abs(dot(plane.normal, axis_b)));
+    const Float terms = dot(plane.size, plane.start + magnitudes(center) + spread);
+    const Float slack = dot(plane.size + plane.wrong, set(pyramid.slack));
     // Positive where the rays cross the plane before their end.
     const auto beyond = [&](float end, Float& margin) HWY_ATTR {
         const Vector way = hn::Set(d, end) * center - v[0];
-        margin = hn::Add(hn::MulAdd(eight, terms, slack), dot(wrong, magnitudes(way) + spread));
-        return hn::CopySignToAbs(hn::Set(d, 1.0f), apex) * way;
+        margin = hn::Add(hn::MulAdd(eight, terms, slack), dot(plane.wrong, magnitudes(way) + spread));
+        return hn::CopySignToAbs(hn::Set(d, 1.0f), plane.apex) * way;
     };
     Float margin;
-    const Float farthest = hn::Add(dot(normal, beyond(pyramid.end_maximum, margin)), width);
-    const Mask misses = hn::And(apex_known, hn::Lt(farthest, hn::Neg(margin)));
-    const Float nearest = hn::Sub(dot(normal, beyond(pyramid.end_minimum, margin)), width);
-    to.nearer = hn::And(hn::And(apex_known, hn::Gt(nearest, margin)), separates(pyramid, v, e0, e1, normal, apex));
-    to.hides_nothing = hn::Or(to.hides_nothing, misses);
+    const Float farthest = hn::Add(dot(plane.normal, beyond(pyramid.end_maximum, margin)), width);
+    misses = hn::And(apex_known, hn::Lt(farthest, hn::Neg(margin)));
+    const Float nearest = hn::Sub(dot(plane.normal, beyond(pyramid.end_minimum, margin)), width);
+    nearer = hn::And(apex_known, hn::Gt(nearest, margin));
+}
+
+// Of the triangles `asked`. What is nearer than the light by its corners' heights need not be asked by its plane.
+HWY_INLINE void project_depth(const Pyramid& pyramid, const Vector* v, unsigned asked, Projection& to) {
+    const Plane plane = plane_of(v);
+    to.nearer = meets_before_end(pyramid, plane, to);
+    if (asked & ~bits_of(to.nearer)) {
+        Mask nearer, misses;
+        cross_plane(pyramid, v, plane, nearer, misses);
+        to.nearer = hn::Or(to.nearer, nearer);
+        to.hides_nothing = hn::Or(to.hides_nothing, misses);
+    }
+    Mask separated = starts_off_plane(pyramid, plane);
+    if (asked & ~bits_of(separated))
+        separated = hn::Or(separated, separates(pyramid, v, plane.e0, plane.e1, plane.normal, plane.apex));
+    to.nearer = hn::And(to.nearer, separated);
     to.hides_all = hn::And(to.hides_all, to.nearer);
 }
 
@@ -192,26 +272,28 @@ HWY_INLINE void project_range(const Pyramid& pyramid, const Vector* v, Projectio
     const Float center[2] = {hn::Set(d, pyramid.center_a), hn::Set(d, pyramid.center_b)};
     const float axis_wrong[2] = {pyramid.wrong_a, pyramid.wrong_b};
     Float low[2], high[2], wrong[2];
-    for (int i = 0; i < 2; ++i)
-        low[i] = hn::Set(d, unbounded), high[i] = hn::Set(d, -unbounded), wrong[i] = hn::Set(d, axis_wrong[i]);
-    Float lowest = hn::Set(d, unbounded), highest = hn::Zero(d);
+    for (int i = 0; i < 2; ++i) low[i] = hn::Set(d, unbounded), high[i] = hn::Set(d, -unbounded);
+    Vector farthest = set(vec3(0.0f));
     for (int k = 0; k < 3; ++k) {
-        const Float h = dot(v[k], height), inverse = hn::Div(hn::Set(d, 1.0f), h);
-        lowest = hn::Min(lowest, h), highest = hn::Max(highest, h);
-        const Float relative = hn::MulAdd(dot(magnitudes(v[k]), height_size), inverse, hn::Set(d, 1.0f));
+        const Float inverse = hn::Div(hn::Set(d, 1.0f), to.height[k]);
+        farthest = larger(farthest, magnitudes(v[k]));
         for (int i = 0; i < 2; ++i) {
             const Float at = hn::Sub(hn::Mul(dot(v[k], along[i]), inverse), center[i]);
-            // 4 u of the terms for the product, as much for h, and the quotient.
-            const Float off = hn::Mul(hn::Mul(dot(magnitudes(v[k]), along_size[i]), inverse), relative);
             low[i] = hn::Min(low[i], at), high[i] = hn::Max(high[i], at);
-            wrong[i] = hn::Max(wrong[i], hn::MulAdd(off, hn::Set(d, 16 * u), hn::Set(d, 2 * axis_wrong[i])));
         }
+    }
+    // 4 u of the terms for the products, as much for the heights, and the quotients.
+    const Float inverse = hn::Div(hn::Set(d, 1.0f), to.lowest);
+    const Float relative = hn::MulAdd(dot(farthest, height_size), inverse, hn::Set(d, 1.0f));
+    for (int i = 0; i < 2; ++i) {
+        const Float off = hn::Mul(hn::Mul(dot(farthest, along_size[i]), inverse), relative);
+        wrong[i] = hn::MulAdd(off, hn::Set(d, 16 * u), hn::Set(d, 2 * axis_wrong[i]));
     }
     const Float volume = hn::Abs(dot(to.edge[0], v[1]));
     const Float volume_wrong = hn::Mul(hn::Set(d, 16 * u), dot(magnitudes(to.edge[0]), magnitudes(v[1])));
     const Float certain = hn::Sub(volume, hn::Add(volume_wrong, to.margin));
-    const Float quotient = hn::Div(hn::Mul(hn::Mul(hn::Set(d, 2.0f), to.margin), highest), certain);
-    const Mask known = hn::And(hn::And(hn::Gt(lowest, hn::Set(d, 0x1p-8f)), hn::Gt(certain, hn::Zero(d))),
+    const Float quotient = hn::Div(hn::Mul(hn::Mul(hn::Set(d, 2.0f), to.margin), to.highest), certain);
+    const Mask known = hn::And(hn::And(hn::Gt(to.lowest, hn::Set(d, 0x1p-8f)), hn::Gt(certain, hn::Zero(d))),
                                hn::Lt(quotient, hn::Set(d, 0.6f)));
     Mask overlaps = hn::Le(hn::Zero(d), hn::Zero(d));
     Float* range[2] = {to.a, to.b};
@@ -225,22 +307,20 @@ HWY_INLINE void project_range(const Pyramid& pyramid, const Vector* v, Projectio
     to.hides_nothing = hn::Or(to.hides_nothing, hn::Not(overlaps));
 }
 
-HWY_INLINE void store(const Projection& from, bool ranges, std::size_t first, OccluderGroup& to) {
+HWY_INLINE void store(const Projection& from, std::size_t first, OccluderGroup& to) {
     for (int k = 0; k < 3; ++k) {
         hn::Store(from.edge[k].x, d, to.edge[k][0] + first);
         hn::Store(from.edge[k].y, d, to.edge[k][1] + first);
         hn::Store(from.edge[k].z, d, to.edge[k][2] + first);
     }
     hn::Store(from.margin, d, to.margin + first);
-    if (!ranges) return;
     hn::Store(from.a[0], d, to.a_low + first);
     hn::Store(from.a[1], d, to.a_high + first);
     hn::Store(from.b[0], d, to.b_low + first);
     hn::Store(from.b[1], d, to.b_high + first);
 }
 
-void project(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32_t own, bool ranges,
-             OccluderGroup& group) {
+void project(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32_t own, OccluderGroup& group) {
     group.present = group.nearer = 0;
     group.hides_all = false;
     const Vector origin = set(pyramid.origin);
@@ -256,13 +336,14 @@ void project(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32
         Projection projection;
         project_edges(pyramid, v, projection);
         if (!(here & ~bits_of(projection.hides_nothing))) continue;
-        project_depth(pyramid, v, projection);
+        project_heights(pyramid, v, projection);
+        project_depth(pyramid, v, here & ~bits_of(projection.hides_nothing), projection);
         group.hides_all |= (here & bits_of(projection.hides_all)) != 0;
         if (!(here & ~bits_of(projection.hides_nothing))) continue;
-        if (ranges) project_range(pyramid, v, projection);
+        project_range(pyramid, v, projection);
         group.present |= (here & ~bits_of(projection.hides_nothing)) << first;
         group.nearer |= (here & bits_of(projection.nearer)) << first;
-        store(projection, ranges, first, group);
+        store(projection, first, group);
     }
 }
 

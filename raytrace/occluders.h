@@ -4,6 +4,7 @@
 // test, all linear in the ray's direction, so that bounds of their rounding tell hits and misses that are certain.
 
 #include <cstdint>
+#include <vector>
 
 #include "raytrace/pyramid.h"
 #include "raytrace/triangle_clusters.h"
@@ -30,20 +31,24 @@ struct BoxArrays {
     std::size_t count;
 };
 
-// A box that the pyramid may touch: its number, and the points of the light that rays through it can reach.
-struct TouchedBox {
-    std::uint32_t box;
-    float a_low, a_high, b_low, b_high;
+// Boxes that the pyramid may touch: their numbers, and ranges of s and t of the points that rays through them can
+// reach. Padded to whole sixteens with boxes that nothing can reach.
+struct TouchedBoxes {
+    std::vector<std::uint32_t> box;
+    std::vector<float> a_low, a_high, b_low, b_high;
+    std::size_t count = 0;
+    void resize(std::size_t room) {
+        box.resize(room + 16);
+        for (std::vector<float>* range : {&a_low, &a_high, &b_low, &b_high}) range->resize(room + 16);
+    }
 };
 
 struct OccluderKernels {
-    // The boxes that the pyramid may touch, into `touched`, which has room for all; how many.
-    std::size_t (*touch)(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBox* touched);
+    // The boxes that the pyramid may touch, into `touched`, which has room for all.
+    void (*touch)(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBoxes& touched);
 
-    // What the triangles of a cluster may hide; triangle `own` hides nothing. Ranges are left out where they are not
-    // asked for, and then the group may hold triangles beside the light.
-    void (*project)(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32_t own, bool ranges,
-                    OccluderGroup& group);
+    // What the triangles of a cluster may hide; triangle `own` hides nothing.
+    void (*project)(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32_t own, OccluderGroup& group);
 };
 const OccluderKernels& occluder_kernels();
 

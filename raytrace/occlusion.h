@@ -3,6 +3,7 @@
 // the one place where a proof may stand in for rays. A proof ("all seen", "none seen", "only these triangles can be in
 // between") gives the very bits that the rays would.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -48,9 +49,24 @@ public:
     EmbreeScene::SeenCount seen(const Receiver& receiver, const SamplePoints& points, SeenBits seen);
 
 private:
-    bool project(const TouchedBox& box, bool ranges);
-    void shade(const TouchedBox& box, PointBlock& block);
+    // Boxes of nearby_ whose triangles hid the light, or a part of it, from the last receivers.
+    struct Hints {
+        static constexpr std::size_t most = 16;
+        std::uint32_t box[most];
+        std::size_t count = 0;
+        void add(std::uint32_t hint);
+    };
+    static constexpr std::size_t cells_across = 8;
+
     bool spend(std::size_t effort);
+    void save(std::size_t rays);
+    const OccluderGroup& group(std::uint32_t box);
+    Hints& hints_at(const PointRange& range);
+    bool shade(std::uint32_t box, const PointBlock& block, std::size_t packet, const PointRange& range, unsigned facing,
+               PacketVerdict& verdict);
+    std::optional<unsigned> settle(const PointBlock& block, std::size_t packet, unsigned facing, PointRange range,
+                                   Hints& hints);
+    void learn(ShadowRays& rays, Hints& hints) const;
     EmbreeScene::SeenCount seen_by_occluders(const Receiver& receiver, const SamplePoints& points, SeenBits seen);
 
     const EmbreeScene& scene_;
@@ -58,15 +74,19 @@ private:
     const TriangleClusters* clusters_;
     std::size_t samples_;
     std::optional<ClusterList> nearby_; // of the block; nothing: no proofs here
+    std::int64_t balance_ = 0;          // what proofs in the block may still cost
+    std::int64_t most_balance_ = 0;
+    std::array<Hints, cells_across * cells_across> hints_; // by where on the light
     // Of the receiver that was asked about last.
     Receiver proven_;
     Proof proof_ = Proof::None;
     Pyramid pyramid_;
-    std::vector<TouchedBox> touched_;
-    std::size_t first_ = 0, end_ = 0; // of touched_: those that can be in between
-    bool known_ = false;              // nothing else can be
-    std::size_t effort_ = 0;          // what may still be spent on the receiver before rays are cheaper
-    OccluderGroup group_;
+    TouchedBoxes touched_;
+    bool known_ = false;                // nothing else can be in between
+    std::vector<OccluderGroup> groups_; // worked out so far
+    std::size_t groups_used_ = 0;
+    std::vector<std::uint32_t> group_of_; // per box of nearby_: its place in groups_, if that is this box's
+    std::vector<std::uint32_t> box_of_;   // per place
 };
 
 } // namespace gnomon

@@ -10,34 +10,35 @@ namespace gnomon {
 // Up to 64 packets of sixteen points of the light. Bit k of a word is point k of its packet.
 struct PointBlock {
     static constexpr std::size_t packets = 64, points = 16 * packets;
-    alignas(64) float way[3][points];                  // the rays' directions
-    alignas(64) float a[points], b[points];            // their s and t
-    alignas(64) float a_low[packets], a_high[packets]; // range of s of a packet
-    alignas(64) float b_low[packets], b_high[packets]; // range of t
-    std::uint16_t facing[packets];                     // above the receiver's horizon: others need no answer
-    std::uint16_t hidden[packets];                     // certainly
-    std::uint16_t possible[packets];                   // hidden, or perhaps hidden by some triangle
-    std::uint64_t open;                                // bit k: not all of packet k that faces is hidden yet
+    alignas(64) float way[3][points];       // the rays' directions
+    alignas(64) float a[points], b[points]; // their s and t
 };
 
-// Points of a block.
-struct ReachedPoints {
-    std::uint64_t packets = 0; // bit k: some points of packet k
-    std::uint16_t points[PointBlock::packets];
+struct PointRange {
+    float a_low, a_high, b_low, b_high; // of s and t
+};
+
+// What is certain about some points of one packet.
+struct PacketVerdict {
+    unsigned hidden = 0;
+    unsigned possible = 0; // hidden, or perhaps hidden by some triangle
 };
 
 struct PointKernels {
-    // Takes up to 64 whole packets of points: ways and ranges. `facing` has to be set; all that faces is open.
+    // Takes up to 64 whole packets of points: ways, s and t.
     void (*aim)(const Pyramid& pyramid, const float* x, const float* y, const float* z, std::size_t packets,
                 PointBlock& block);
 
-    // The open points that a box's rays can reach, and how many they are.
-    std::size_t (*reach)(const TouchedBox& box, const PointBlock& block, ReachedPoints& reached);
+    // Of the points `open` of a packet; there must be some.
+    PointRange (*range)(const PointBlock& block, std::size_t packet, unsigned open);
 
-    // Adds what a group hides of the reached points: triangle by triangle, for which it needs ranges, or point by
-    // point. The former suits large triangles, the latter many small ones.
-    void (*shade_triangles)(const OccluderGroup& group, const ReachedPoints& reached, PointBlock& block);
-    void (*shade_points)(const OccluderGroup& group, const ReachedPoints& reached, PointBlock& block);
+    // The numbers of the first `most` boxes that rays to a range of points can meet, into `reached`; how many there
+    // are, or `most` + 1 where they are more.
+    std::size_t (*reach)(const TouchedBoxes& boxes, const PointRange& range, std::size_t most, std::uint32_t* reached);
+
+    // What a group hides of the points `open` of a packet, which lie in `range`, is added to the verdict.
+    void (*shade)(const OccluderGroup& group, const PointBlock& block, std::size_t packet, const PointRange& range,
+                  unsigned open, PacketVerdict& verdict);
 };
 const PointKernels& point_kernels();
 

@@ -55,6 +55,17 @@ void set_ends(Pyramid& pyramid, const LightFrame& frame, const ShadowOrigin& ori
     pyramid.end_minimum = static_cast<float>(std::max(0.0, 1.0 - most / shortest - 4 * u));
 }
 
+// From the origin to the point of its foot on a triangle, moved inside where it is outside.
+double distance_to(const std::array<vec3, 3>& corners, dvec3 origin) {
+    const dvec3 a(corners[0]), ab = dvec3(corners[1]) - a, ac = dvec3(corners[2]) - a, way = origin - a;
+    const dvec3 normal = glm::cross(ab, ac);
+    const double area = glm::dot(normal, normal);
+    double s = area > 0.0 ? glm::dot(glm::cross(way, ac), normal) / area : 0.0;
+    double t = area > 0.0 ? glm::dot(glm::cross(ab, way), normal) / area : 0.0;
+    s = std::clamp(s, 0.0, 1.0), t = std::clamp(t, 0.0, 1.0 - s);
+    return largest(a + s * ab + t * ac - origin);
+}
+
 void set_planes(Pyramid& pyramid, dvec3 center, dvec3 a, dvec3 b, dvec3 up, dvec3 horizon) {
     int count = 0;
     const auto add = [&](dvec3 normal, double offset) {
@@ -114,6 +125,7 @@ Pyramid pyramid_of(const Light& light, const Receiver& receiver, const ShadowOri
     const dvec3 reach = glm::abs(center) + glm::abs(a) + glm::abs(b) + frame.rounding;
     pyramid.origin = origin.position;
     for (size_t k = 0; k < 3; ++k) pyramid.own[k] = own_corners[k] - origin.position;
+    pyramid.own_distance = static_cast<float>(distance_to(own_corners, apex) * (1.0 + 0x1p-10));
     pyramid.center = vec3(center), pyramid.axis_a = vec3(a), pyramid.axis_b = vec3(b);
     pyramid.reach = vec3(reach * (1 + 4 * u));
     // The light's points are off by their rounding, and their difference to the origin is rounded; so are ours.
@@ -128,6 +140,7 @@ Pyramid pyramid_of(const Light& light, const Receiver& receiver, const ShadowOri
     pyramid.center_a = static_cast<float>(glm::dot(to_a, center));
     pyramid.center_b = static_cast<float>(glm::dot(to_b, center));
     const double off_plane = glm::dot(glm::abs(to_height), slack);
+    pyramid.wrong_height = static_cast<float>(off_plane + 8 * u * glm::dot(glm::abs(to_height), reach));
     const auto wrong = [&](dvec3 to) {
         return static_cast<float>(
             2.0 * (glm::dot(glm::abs(to), slack) + glm::dot(glm::abs(to), reach) * (off_plane + 16 * u)));

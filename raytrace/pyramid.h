@@ -33,6 +33,7 @@ struct Pyramid {
     // `slack` in each coordinate. `reach` bounds each coordinate of all ways.
     vec3 center, axis_a, axis_b, slack, reach;
     vec3 own[3];                    // corners of the receiver's triangle
+    float own_distance;             // above that of some point of it from the origin, along every axis
     float end_minimum, end_maximum; // where rays end, as a part of the way to the light's point
     // For a point p, relative to the origin: height·p is 1 in the light's plane and 0 in the parallel one through the
     // origin, and p meets the light's plane at s = (to_a·p) / (height·p) − center_a; t likewise.
@@ -40,7 +41,8 @@ struct Pyramid {
     float center_a, center_b;
     // What s and t of a light's point, as computed with height·p = 1, may be wrong by.
     float wrong_a, wrong_b;
-    float growth; // how far to stay away: proof_growth of the largest coordinate of origin and light
+    float wrong_height; // how far height·d may be off 1 for the way d of a ray
+    float growth;       // how far to stay away: proof_growth of the largest coordinate of origin and light
     // A point p inside has normal·p ≤ offset for each; Σ|normal| = 1.
     static constexpr int planes = 7;
     vec3 normal[planes];

@@ -77,6 +77,7 @@ void reject_false_hits(const RTCFilterFunctionNArguments* arguments) {
         std::fill_n(valid, count, 0);
         return;
     }
+    query.met[query.met_count++ % query.met.size()] = primitive;
     if (whole)
         asked = doubtful(query, primitive, asked, &RTCHitN_Ng_x(arguments->hit, count, 0),
                          &RTCRayN_org_x(arguments->ray, count, 0), count);

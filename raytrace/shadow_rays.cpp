@@ -24,7 +24,9 @@ ShadowRays::ShadowRays(const ShadowCasters& casters, const Receiver& receiver, c
                               own_corners,
                               origin.position,
                               4 * larger(origin.rounding, world_rounding(receiver, own_corners, casters.shift)),
-                              {}} {
+                              {},
+                              {},
+                              0} {
     start_query(query_.context);
     std::fill_n(rays_.org_x, packet_size, origin.position.x);
     std::fill_n(rays_.org_y, packet_size, origin.position.y);
@@ -53,6 +55,14 @@ ShadowRays::Mask ShadowRays::to_targets(const float* x, const float* y, const fl
     if (facing == 0) return {0, 0};
     occluded(valid, query_.casters->built, query_.context, kernels.filter, rays_);
     return {facing & ~kernels.hidden(rays_), facing};
+}
+
+std::size_t ShadowRays::take_met(std::array<std::uint32_t, packet_size>& triangles) {
+    const std::size_t count = std::min<std::size_t>(query_.met_count, query_.met.size());
+    const std::vector<std::uint32_t>& names = query_.casters->triangles;
+    for (std::size_t i = 0; i < count; ++i) triangles[i] = names.empty() ? query_.met[i] : names[query_.met[i]];
+    query_.met_count = 0;
+    return count;
 }
 
 bool ShadowRays::to_direction(vec3 direction) {

@@ -24,6 +24,10 @@ public:
     // For up to 16 targets; those below the receiver's horizon are neither seen nor traced.
     Mask to_targets(const float* x, const float* y, const float* z, std::size_t count);
 
+    // Triangles of the scene that the rays have met since the last call, up to sixteen: a hint, for false hits and
+    // repetitions are among them. How many.
+    std::size_t take_met(std::array<std::uint32_t, packet_size>& triangles);
+
     // Whether nothing lies in a direction above the horizon.
     bool to_direction(vec3 direction);
 

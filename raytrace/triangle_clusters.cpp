@@ -60,7 +60,7 @@ std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, vec3 shift, Bou
     return primitives;
 }
 
-TriangleCluster cluster_of(const Scene& scene, vec3 shift, const BuildNode& leaf) {
+TriangleCluster cluster_from(const Scene& scene, vec3 shift, const BuildNode& leaf) {
     TriangleCluster cluster;
     cluster.count = leaf.count;
     for (std::uint32_t i = 0; i < cluster_size; ++i) {
@@ -78,7 +78,8 @@ void flatten(const Scene& scene, const BuildNode& from, size_t place, TriangleCl
     if (from.count > 0) {
         to.nodes[place].first = static_cast<std::uint32_t>(to.clusters.size());
         to.nodes[place].leaf = true;
-        to.clusters.push_back(cluster_of(scene, to.shift, from));
+        for (std::uint32_t i = 0; i < from.count; ++i) to.cluster_of[from.triangle[i]] = to.nodes[place].first;
+        to.clusters.push_back(cluster_from(scene, to.shift, from));
         return;
     }
     const size_t first = to.nodes.size();
@@ -116,6 +117,7 @@ TriangleClusters build_clusters(const Scene& scene) {
     const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
     if (!root) throw Error(ExitCode::Internal, "The memory does not suffice to sort the shadow casters.");
     built.nodes.push_back({all, 0, false});
+    built.cluster_of.resize(scene.triangles.size());
     flatten(scene, *root, 0, built);
     return built;
 }

@@ -28,8 +28,12 @@ struct TriangleClusters {
     };
     std::vector<Node> nodes; // the root comes first; empty where nothing casts shadows
     std::vector<TriangleCluster> clusters;
+    std::vector<std::uint32_t> cluster_of; // per triangle of the scene; no meaning for those of light sources
 
-    std::size_t memory_bytes() const { return nodes.size() * sizeof(Node) + clusters.size() * sizeof(TriangleCluster); }
+    std::size_t memory_bytes() const {
+        return nodes.size() * sizeof(Node) + clusters.size() * sizeof(TriangleCluster) +
+               cluster_of.size() * sizeof(std::uint32_t);
+    }
 };
 
 // Triangles of light sources are left out, as they are from EmbreeScene's casters. Throws Error where memory does not

@@ -29,6 +29,12 @@ HWY_INLINE unsigned bits_of(Mask mask) {
     return bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
 }
 
+// The lanes whose bits are set; bits beyond the last lane do not matter.
+HWY_INLINE Mask mask_of(unsigned bits) {
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8)};
+    return hn::LoadMaskBits(d, bytes);
+}
+
 struct Vector {
     Float x, y, z;
 };
@@ -45,6 +51,9 @@ HWY_INLINE Vector operator-(const Vector& a, const Vector& b) {
 }
 HWY_INLINE Vector operator*(Float s, const Vector& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
 HWY_INLINE Vector magnitudes(const Vector& a) { return {hn::Abs(a.x), hn::Abs(a.y), hn::Abs(a.z)}; }
+HWY_INLINE Vector larger(const Vector& a, const Vector& b) {
+    return {hn::Max(a.x, b.x), hn::Max(a.y, b.y), hn::Max(a.z, b.z)};
+}
 HWY_INLINE Float largest(const Vector& a) { return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z)); }
 HWY_INLINE Float dot(const Vector& a, const Vector& b) {
     return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));

@@ -201,6 +201,9 @@ TEST_CASE("the exact method refuses what it does not have", "[cli][truth]") {
     for (const std::vector<std::string>& more : {std::vector<std::string>{"--resume"},
                                                  {"--keep-state"},
                                                  {"--tiles", "1/2"},
+                                                 {"--samples", "64"},
+                                                 {"--pattern", "grid"},
+                                                 {"--seed", "1"},
                                                  {"--target-error", "0.1"},
                                                  {"--radiance", "lambert"}}) {
         std::vector<std::string> arguments = {"truth",    "builtin:fence", "--size", "16x9",

@@ -92,6 +92,16 @@ TEST_CASE("The EXR has the documented channels and attributes", "[cli]") {
     CHECK(std::get<int>(image.attributes.at("samplesPerPixel")) == 9);
 }
 
+TEST_CASE("The EXR of the exact method names no samples", "[cli][truth]") {
+    const std::string folder = temporary_folder(), path = folder + "/out.exr";
+    check_success({"truth", "builtin:half-plane", "--method", "exact", "--size", "16x12", "-o", path});
+    const ChannelImage image = gnomon::read_image(path);
+    const json parameters = json::parse(text_attribute(image, "gnomon:parameters"));
+    CHECK(parameters.at("method") == "exact");
+    for (const char* name : {"samples", "pattern", "seed"}) CHECK_FALSE(parameters.contains(name));
+    CHECK(std::get<int>(image.attributes.at("samplesPerPixel")) == 1);
+}
+
 TEST_CASE("Statistics have the documented keys", "[cli]") {
     const std::string folder = temporary_folder();
     const json stats = json::parse(check_success({"render", "builtin:half-plane", "-t", "raytraced", "--size", "8x8",
