@@ -6,7 +6,8 @@
 namespace gnomon::detail {
 namespace {
 
-constexpr size_t most_listed_tiles = 64; // of one triangle
+constexpr size_t most_listed_tiles = 64;         // of one triangle
+constexpr size_t most_entries = size_t{1} << 16; // of a chunk, beyond which large triangles are kept aside
 
 TileBox tiles_of(const SetupTriangle& t) {
     return {t.x0 >> tile_shift, t.y0 >> tile_shift, t.x1 >> tile_shift, t.y1 >> tile_shift};
@@ -31,7 +32,8 @@ bool Chunk::add_touched(const TileGrid& grid, const TileBox& box, size_t i) {
         for (int x = box.x0; x <= box.x1; x += 8) {
             std::uint32_t touched = setup_kernels().touched_tiles(triangles.data[i], x, y, grid.whole_pixels);
             if (box.x1 - x < 7) touched &= (2u << (box.x1 - x)) - 1;
-            if (entries_.size() - before + static_cast<size_t>(std::popcount(touched)) > most_listed_tiles) {
+            const size_t after = entries_.size() + static_cast<size_t>(std::popcount(touched));
+            if (after - before > most_listed_tiles || after > most_entries) {
                 while (entries_.size() > before) {
                     --begin_[entries_.back().tile + 2];
                     entries_.pop_back();

@@ -1,8 +1,10 @@
 #pragma once
 // Which triangles touch which 64×64 tile. A chunk of triangles is sorted by tile over the rectangle of tiles that it
 // touches; triangles over very many tiles are kept aside, so that memory grows with the triangles and not with their
-// area: at most 64 entries of 2 bytes each, and of 8 more while they are sorted. With the 88 bytes of a set-up triangle
-// a batch of 131072 unclipped triangles takes at most 180 MB, vectors doubling included, and mostly a tenth of that.
+// area: small ones have at most 4 entries of 2 bytes each, and of 8 more while they are sorted, large ones at most 64,
+// and 65536 a chunk. With the 88 bytes of a set-up triangle a chunk of 16384, the largest, takes at most 5 MB, vectors
+// doubling included, and a batch of 64 of them at most 320 MB; targets of 2048² pixels and fewer have batches of a
+// quarter of that or less.
 
 #include <cstdint>
 #include <span>
