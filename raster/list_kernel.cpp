@@ -1,5 +1,6 @@
 // The fast path of the tile rasterizer: lists of triangles through depth, with stencil counts or triangle ids. Small
-// triangles go patch by patch; others by 8×8 blocks, whose depth bounds decide whole blocks where they can.
+// triangles, and large ones that cover a tile in part, go patch by patch; others, and large ones that count, by 8×8
+// blocks, whose depth bounds decide whole blocks where they can.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raster/list_kernel.cpp" // this file is compiled once for each target
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
@@ -10,7 +11,7 @@
 
 #include "raster/blocks-inl.h"
 #include "raster/depth_bounds-inl.h"
-#include "raster/small_triangles-inl.h"
+#include "raster/patches-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {

@@ -1,10 +1,11 @@
-// Small triangles through a tile, patch by patch; included once for each instruction set.
+// Triangles through a tile, patch by patch: small ones, and large ones that cover it in part; included once for each
+// instruction set.
 
-#if defined(GNOMON_SMALL_TRIANGLES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef GNOMON_SMALL_TRIANGLES_INL
-#undef GNOMON_SMALL_TRIANGLES_INL
+#if defined(GNOMON_PATCHES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef GNOMON_PATCHES_INL
+#undef GNOMON_PATCHES_INL
 #else
-#define GNOMON_SMALL_TRIANGLES_INL
+#define GNOMON_PATCHES_INL
 #endif
 
 #include <type_traits>
