@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -44,10 +45,11 @@ struct Difference {
 void compare(const Duel& duel, Format format, double magnitude, Difference& d) {
     const Picture a = duel.ours(), b = duel.witness();
     const int mantissa = format == Format::RGBA16F ? 10 : 23;
+    constexpr double least = std::numeric_limits<float>::min(); // zero has no magnitude
     for (size_t k = 0; k < duel.pixels(); ++k)
         for (glm::length_t c = 0; c < 4; ++c) {
             const auto ours = static_cast<double>(a.color[k][c]), theirs = static_cast<double>(b.color[k][c]);
-            const double scale = std::max({std::abs(ours), std::abs(theirs), magnitude});
+            const double scale = std::max({std::abs(ours), std::abs(theirs), magnitude, least});
             const double step = format == Format::RGBA8 ? 1 / 255.0 : std::ldexp(1.0, std::ilogb(scale) - mantissa);
             const double steps = std::abs(ours - theirs) / step;
             ++d.values;
