@@ -31,6 +31,7 @@ enum class ListMode : std::uint8_t {
     Count8,  // stencil counts of 8 bits, modulo 256; depth is read only
     Count32, // of 32 bits
 };
+constexpr bool is_counting(ListMode mode) { return mode == ListMode::Count8 || mode == ListMode::Count32; }
 
 constexpr std::size_t place_in_tile(int x, int y) {
     return block_pixels * static_cast<std::size_t>((y >> 3) * tile_blocks + (x >> 3)) + place_in_block(x, y);

@@ -4,26 +4,16 @@
 #include <bit>
 #include <cstring>
 
-#include <emmintrin.h>
+#include <hwy/cache_control.h>
 
 namespace gnomon::detail {
 namespace {
-
-// The part of the tile inside the target.
-struct Extent {
-    int columns, rows;
-    bool whole() const { return columns == tile_side && rows == tile_side; }
-};
-
-Extent extent_of(const Target& target, int level, int tile_x, int tile_y) {
-    return {std::min(tile_side, target.width(level) - tile_x), std::min(tile_side, target.height(level) - tile_y)};
-}
 
 // Between rows of a target and a tile's patches: visit(texels, where they lie in the tile, how many of a patch's row).
 template <class AnyTarget, class T, class Visit>
 void for_each_patch_row(AnyTarget& target, const Targets& targets, const DepthTile& tile, T* places,
                         const Visit& visit) {
-    const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
+    const TilePart extent = part_of_tile(target, targets.level, tile.x, tile.y);
     const size_t bytes = patch_side * static_cast<size_t>(target.texel_bytes());
     for (int j = 0; j < extent.rows; ++j) {
         auto* texels = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
@@ -38,15 +28,13 @@ void for_each_patch_row(AnyTarget& target, const Targets& targets, const DepthTi
     }
 }
 
-void prefetch(const void* at) { _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T0); }
-
 // Asks for a tile's rows, which the prefetcher would not guess.
 void prefetch_rows(const Target& target, const Targets& targets, const DepthTile& tile) {
-    const Extent extent = extent_of(target, targets.level, tile.x, tile.y);
+    const TilePart extent = part_of_tile(target, targets.level, tile.x, tile.y);
     for (int j = 0; j < extent.rows; ++j) {
         const std::byte* row = target.texel(tile.x, tile.y + j, targets.layer, targets.level);
         const int bytes = extent.columns * target.texel_bytes();
-        for (int at = 0; at < bytes; at += 64) prefetch(row + at);
+        for (int at = 0; at < bytes; at += 64) hwy::Prefetch(row + at);
     }
 }
 
@@ -75,7 +63,7 @@ void load_depth(const Target& target, const Targets& targets, bool load, const K
         return;
     }
     prefetch_rows(target, targets, tile);
-    if (!extent_of(target, targets.level, tile.x, tile.y).whole()) std::fill_n(tile.depth, tile_pixels, 0);
+    if (!part_of_tile(target, targets.level, tile.x, tile.y).whole()) std::fill_n(tile.depth, tile_pixels, 0);
     if (target.texel_bytes() == 4) {
         for_each_patch_row(target, targets, tile, tile.depth, copy_in<std::int32_t>);
         return;
@@ -91,7 +79,7 @@ void load_depth(const Target& target, const Targets& targets, bool load, const K
 
 void store_depth(Target& target, const Targets& targets, const DepthTile& tile, const Kernels& kernels) {
     if (target.texel_bytes() == 4) {
-        if (!extent_of(target, targets.level, tile.x, tile.y).whole()) {
+        if (!part_of_tile(target, targets.level, tile.x, tile.y).whole()) {
             for_each_patch_row(target, targets, tile, tile.depth, copy_out<std::int32_t>);
             return;
         }
@@ -123,16 +111,15 @@ void store_counters(Target& target, const Targets& targets, const DepthTile& til
 }
 
 void fill_others(const Targets& targets, const ListState& state, const DepthTile& tile) {
-    const bool counting = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
-    if (targets.stencil && targets.clear_stencil && !counting) {
-        const Extent extent = extent_of(*targets.stencil, targets.level, tile.x, tile.y);
+    if (targets.stencil && targets.clear_stencil && !is_counting(state.mode)) {
+        const TilePart extent = part_of_tile(*targets.stencil, targets.level, tile.x, tile.y);
         targets.stencil->fill(tile.x, tile.y, extent.columns, extent.rows, targets.layer, targets.level,
                               targets.stencil->cleared_uint(*targets.clear_stencil));
     }
     if (!targets.clear_color || state.mode == ListMode::Ids) return;
     for (Target* target : targets.color) {
         if (!target) continue;
-        const Extent extent = extent_of(*target, targets.level, tile.x, tile.y);
+        const TilePart extent = part_of_tile(*target, targets.level, tile.x, tile.y);
         target->fill(tile.x, tile.y, extent.columns, extent.rows, targets.layer, targets.level,
                      target->cleared(*targets.clear_color));
     }
@@ -214,8 +201,7 @@ void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, in
         shade_visible(draw, tile, clear_color, lists, counters);
 
     const std::int64_t depth_bytes = info(targets.depth->format()).bytes;
-    const bool stencil = state.mode == ListMode::Count8 || state.mode == ListMode::Count32;
-    const std::int64_t stencil_bytes = stencil ? info(targets.stencil->format()).bytes : 0;
+    const std::int64_t stencil_bytes = is_counting(state.mode) ? info(targets.stencil->format()).bytes : 0;
     counters.fragments_covered += counts.covered;
     counters.fragments_passed += counts.passed;
     counters.bytes_read += counts.covered * ((state.test == Compare::Always ? 0 : depth_bytes) + stencil_bytes);

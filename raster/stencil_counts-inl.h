@@ -13,8 +13,6 @@ HWY_BEFORE_NAMESPACE();
 namespace gnomon::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr bool is_counting(ListMode mode) { return mode == ListMode::Count8 || mode == ListMode::Count32; }
-
 HWY_INLINE int bit_count(std::uint64_t bits) { return static_cast<int>(hwy::PopCount(bits)); }
 
 // Adds `step` to `count` counters, those with a bit in `pixels`, modulo their range.

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include <emmintrin.h>
+#include <hwy/cache_control.h>
 
 #include "raster/block_tests.h"
 #include "raster/shading_kernels.h"
@@ -81,8 +81,6 @@ template <class From, class To> void copy_block(const From* from, int x, int y, 
             std::memcpy(to + block_side * j + i, from + place_in_block(i, j), patch_side * sizeof(To));
 }
 
-void prefetch(const void* at) { _mm_prefetch(static_cast<const char*>(at), _MM_HINT_T0); }
-
 const SetupTriangles& chunk_of(std::span<const TileList> lists, std::uint32_t id) {
     return *lists[id / most_triangles_of_a_list].triangles;
 }
@@ -104,12 +102,12 @@ void find_runs(const TileDraw& draw, const DepthTile& tile, int y, std::span<con
             block.pixels |= strip.masks[k];
             const SetupTriangle* triangle = triangle_of(lists, strip.ids[k]);
             strip.runs[k] = {triangle, nullptr, {}, strip.masks[k]};
-            prefetch(triangle);
-            prefetch(&triangle->piece);
+            hwy::Prefetch(triangle);
+            hwy::Prefetch(&triangle->piece);
         }
     }
     for (size_t k = 0; k < strip.count; ++k)
-        prefetch(&draw.draw->geometry.triangles[strip.runs[k].triangle->primitive]);
+        hwy::Prefetch(&draw.draw->geometry.triangles[strip.runs[k].triangle->primitive]);
 }
 
 // Finds the corners of all runs and makes their planes, those of a triangle that is met twice mostly once.
@@ -119,8 +117,8 @@ void set_up_varyings(const TileDraw& draw, std::span<const TileList> lists, Stri
         const uvec3 corner = draw.draw->geometry.triangles[run.triangle->primitive];
         const auto set = [&](size_t c, std::uint32_t vertex) {
             run.corners[c] = varyings_of(draw, vertex);
-            prefetch(run.corners[c]);
-            prefetch(draw.positions + vertex);
+            hwy::Prefetch(run.corners[c]);
+            hwy::Prefetch(draw.positions + vertex);
         };
         set(0, corner.x), set(1, corner.y), set(2, corner.z);
     }
@@ -209,11 +207,10 @@ void start_colors(const TileDraw& draw, const DepthTile& tile, bool clear, RowWr
         Target* target = targets.color[c];
         if (!target) continue;
         writer.used[c] = target->format() == Format::RGBA32F && draw.state->color_mask[c] == 15;
-        const int columns = std::min(tile_side, target->width(targets.level) - tile.x);
-        const int rows = std::min(tile_side, target->height(targets.level) - tile.y);
-        if (!writer.used[c])
-            target->fill(tile.x, tile.y, columns, rows, targets.layer, targets.level,
-                         target->cleared(*targets.clear_color));
+        if (writer.used[c]) continue;
+        const TilePart part = part_of_tile(*target, targets.level, tile.x, tile.y);
+        target->fill(tile.x, tile.y, part.columns, part.rows, targets.layer, targets.level,
+                     target->cleared(*targets.clear_color));
     }
 }
 
