@@ -81,7 +81,7 @@ struct BlockEdges {
 };
 
 // Depth test, or with `all` only the write, of the covered pixels of one block; returns those that pass.
-template <bool with_ids, KeyKind kind, bool less>
+template <bool with_ids, KeyKind kind, bool usual>
 HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth, int x,
                                       int y, std::uint64_t covered, bool all, std::uint32_t id) {
     const Ints i;
@@ -98,9 +98,9 @@ HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, c
             if (!bits) continue;
             Lanes in[int_parts];
             for (std::size_t p = 0; p < int_parts; ++p) in[p] = mask_of(i, bits >> (p * int_lanes));
-            passed |=
-                test_patch<with_ids, less, false>(state, tile, depth, columns[right], rows, block + at, in, all, id)
-                << at;
+            passed |= test_patch<with_ids, usual, false>(state, tile, depth, columns[right], rows, block + at, in, all,
+                                                         state.write, id)
+                      << at;
         }
     }
     return passed;

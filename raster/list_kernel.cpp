@@ -18,14 +18,14 @@ namespace gnomon::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // One triangle, by blocks.
-template <ListMode mode, KeyKind kind, bool less>
+template <ListMode mode, KeyKind kind, bool usual>
 HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                               std::uint32_t id, TileCounts& counts) {
     constexpr bool with_ids = mode == ListMode::Ids, counting = is_counting(mode);
     const TileEdges tile_edge = tile_edges(t, state.conservative, tile.x, tile.y);
     if (tile_edge.empty) return;
     if constexpr (!counting)
-        if (tile_edge.crossed) return draw_large<mode, kind, less>(state, tile, t, box, tile_edge, id, counts);
+        if (tile_edge.crossed) return draw_large<mode, kind, usual>(state, tile, t, box, tile_edge, id, counts);
     const BlockEdges edges(tile_edge);
     const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
@@ -83,7 +83,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
             if (all && !with_ids && !state.write) {
                 passed = covered;
             } else if (!(verdicts.none >> column & 1)) {
-                passed = test_block<with_ids, kind, less>(state, tile, depth, x, y, covered, all, id);
+                passed = test_block<with_ids, kind, usual>(state, tile, depth, x, y, covered, all, id);
                 if (passed && state.write) loosen_bounds(state, tile, block, low[column], high[column]);
             }
             counts.passed += bit_count(passed);
@@ -94,7 +94,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
     }
 }
 
-template <ListMode mode, KeyKind kind, bool less>
+template <ListMode mode, KeyKind kind, bool usual>
 void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
               std::size_t count, std::uint32_t first_id, TileCounts& counts) {
     constexpr std::size_t ahead = 8; // triangles on their way from memory
@@ -107,16 +107,17 @@ void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* tria
         const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
         if (t.extent != Extent::Large && (box.x1 >> 2) - (box.x0 >> 2) > 2)
-            draw_medium<mode, kind, less>(state, tile, t, box, id, counts);
+            draw_medium<mode, kind, usual>(state, tile, t, box, id, counts);
         else if (t.extent != Extent::Large)
-            draw_small<mode, kind, less>(state, tile, t, box, id, counts);
+            draw_small<mode, kind, usual>(state, tile, t, box, id, counts);
         else
-            draw_blocks<mode, kind, less>(state, tile, t, box, id, counts);
+            draw_blocks<mode, kind, usual>(state, tile, t, box, id, counts);
     }
 }
 
 template <ListMode mode, KeyKind kind> DrawList for_test(const ListState& state) {
-    return state.test == Compare::Less ? draw_all<mode, kind, true> : draw_all<mode, kind, false>;
+    const bool usual = state.test == Compare::Less && state.write == !is_counting(mode);
+    return usual ? draw_all<mode, kind, true> : draw_all<mode, kind, false>;
 }
 template <ListMode mode> DrawList for_format(const ListState& state) {
     if (state.key_scale != 0) return for_test<mode, KeyKind::Unorm>(state);
