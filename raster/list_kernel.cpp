@@ -35,29 +35,30 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
     const std::uint32_t whole_columns = w1 > w0 ? (1u << w1) - (1u << w0) : 0;
     // Bounds of the whole triangle do for one that is not large.
     const bool large = c1 - c0 > 3 || r1 - r0 > 3;
+    const BlockDepths<kind> depths(depth);
     alignas(64) std::int32_t low[tile_blocks], high[tile_blocks];
-    bool bounded = true;
+    bool whole_range = false;
     for (int r = r0; r <= r1; ++r) {
         const int y = r * block_side;
         const BlockEdges::Row row = edges.row(y);
         const std::uint32_t touched = row.touched & columns;
         if (!touched) continue;
-        for (std::size_t k = 0; bounded && k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
-        bounded = false;
+        for (std::size_t k = 0; !whole_range && k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
+        whole_range = true;
         const std::uint32_t in_box = y >= box.y0 && y + 7 <= box.y1 ? whole_columns : 0;
         const std::uint32_t whole = in_box & ~(row.crossed[0] | row.crossed[1] | row.crossed[2]);
         prepare_bounds(state, tile, r, touched, low, high);
         const int first = r * tile_blocks;
         Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
         if (large && touched & ~(verdicts.all | verdicts.none)) { // what the whole triangle's range leaves open
-            bound_depths(depth, y, low, high);
+            whole_range = false;
+            depths.bound(depth, y, low, high);
             prepare_bounds(state, tile, r, touched, low, high);
             verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
-            bounded = true;
         }
 
         // What bounds alone decide.
-        const std::uint32_t filled = state.write ? whole & verdicts.all : 0;
+        const std::uint32_t filled = !counting && state.write ? whole & verdicts.all : 0;
         for (std::uint32_t rest = filled; rest; rest &= rest - 1) {
             const int c = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
             fill_block<with_ids>(tile, depth, c * block_side, y, low[c], high[c], id);
@@ -73,7 +74,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
             const int block = first + column;
             std::uint64_t covered = every_pixel;
             if (!(whole >> column & 1)) {
-                covered = edges.covered(row, column, y);
+                covered = edges.covered(x, y);
                 if (!(in_box >> column & 1)) covered &= box_pixels(box, x, y);
                 if (!covered) continue;
             }
