@@ -110,7 +110,7 @@ template <KeyKind kind> struct BlockDepths {
 };
 
 // Makes a block's depth bounds anew.
-void refresh_bounds(DepthTile& tile, int block) {
+inline void refresh_bounds(DepthTile& tile, int block) {
     const Ints i;
     const std::int32_t* at = tile.depth + block_pixels * static_cast<std::size_t>(block);
     Int low = hn::Load(i, at), high = low;

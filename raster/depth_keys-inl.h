@@ -39,8 +39,9 @@ struct PatchCentres {
     constexpr PatchCentres() {
         for (std::size_t n = 0; n < tile_patches; ++n)
             for (std::size_t k = 0; k < patch_pixels; ++k) {
-                y[n][k] = static_cast<double>(patch_side * n + k / patch_side) + 0.5;
-                if (k < patch_pixels / 2) x[n][k] = static_cast<double>(patch_side * n + k % patch_side) + 0.5;
+                const std::size_t column = patch_side * n + k % patch_side, row = patch_side * n + k / patch_side;
+                y[n][k] = static_cast<double>(row) + 0.5;
+                if (k < patch_pixels / 2) x[n][k] = static_cast<double>(column) + 0.5;
             }
     }
 };

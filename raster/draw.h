@@ -294,7 +294,7 @@ void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, cons
     constexpr bool depth_only_program = std::is_same_v<Program, DepthOnly>;
     detail::Draw call;
     call.geometry = geometry;
-    call.varying_count = has_varyings ? static_cast<int>(sizeof(V) / sizeof(float)) : 0;
+    call.varying_count = has_varyings ? static_cast<int>(sizeof(V)) / static_cast<int>(sizeof(float)) : 0;
     call.linear_varyings = detail::has_linear_varyings<V>();
     call.flags = fragment_program.flags;
     call.vertices = [&](std::uint32_t begin, std::uint32_t end, vec4* positions, [[maybe_unused]] float* varyings) {
