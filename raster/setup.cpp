@@ -59,7 +59,7 @@ void clip_triangle(const SetupState& state, const std::array<vec4, 3>& corners, 
     const auto corner = [&](size_t i) -> const ClipVertex& { return polygon.corners[i]; };
     std::array<vec4, 9> positions;
     std::array<WindowVertex, 9> window;
-    std::array<uvec3, 7> fan;
+    std::array<uvec3, most_clipped_pieces> fan;
     size_t pieces = 0;
     for (size_t i = 0; i < static_cast<size_t>(polygon.count); ++i) positions[i] = corner(i).position;
     detail::setup_kernels().to_window(state, positions.data(), static_cast<size_t>(polygon.count), window.data());
@@ -163,7 +163,7 @@ SetupTriangle* SetupTriangles::grow(size_t more) {
 
 void set_up_triangles(const SetupState& state, const vec4* positions, const WindowVertex* window,
                       std::span<const uvec3> triangles, std::uint32_t first, SetupTriangles& out) {
-    constexpr size_t step = Survivors::capacity / 2, most_pieces = 7;
+    constexpr size_t step = Survivors::capacity / 2;
     const detail::SetupKernels& kernels = detail::setup_kernels();
     Survivors survivors;
     const bool has_offset = state.polygon_offset.factor != 0 || state.polygon_offset.units != 0;
@@ -174,7 +174,7 @@ void set_up_triangles(const SetupState& state, const vec4* positions, const Wind
         survivors.count = 0;
     };
     for (size_t i = 0; i < triangles.size();) {
-        if (survivors.count + step + most_pieces > Survivors::capacity) flush();
+        if (survivors.count + step + most_clipped_pieces > Survivors::capacity) flush();
         const size_t count = std::min(step, triangles.size() - i), before = survivors.count + survivors.empty;
         const size_t seen =
             kernels.cull(state, window, &triangles[i], count, first + static_cast<std::uint32_t>(i), false, survivors);

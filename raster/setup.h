@@ -110,6 +110,8 @@ struct SetupCounts {
     std::int64_t clipped = 0, culled = 0;
 };
 
+inline constexpr std::size_t most_clipped_pieces = 7; // of one triangle
+
 // The parts of a draw that set-up depends on.
 struct SetupState {
     Rectangle viewport;
