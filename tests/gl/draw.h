@@ -47,6 +47,9 @@ private:
     int index_count_ = 0;
 };
 
+// GL_EXT_depth_bounds_test.
+bool has_depth_bounds();
+
 // Viewport, scissor, depth, stencil, culling, polygon offset, blending and masks for a target of this size. Depth and
 // stencil tests are on wherever the state has an effect. Throws std::runtime_error for what this OpenGL lacks.
 void set_state(const gnomon::PipelineState& state, int width, int height);
