@@ -37,6 +37,7 @@ bool check_meshes(const Options& options);
 bool check_clipping(const Options& options);
 bool check_depth(const Options& options);
 bool check_volumes(const Options& options);
+bool check_exact_volumes(const Options& options);
 bool check_infinite_volumes(const Options& options);
 bool check_states(const Options& options);
 bool check_blending(const Options& options);
