@@ -112,40 +112,41 @@ void bench_distance_transform(Bench& bench) {
 }
 
 // Rows, then columns, a stripe of them at a time.
-std::vector<double> plain_sums(const Target& source) {
-    std::vector<double> sums(static_cast<size_t>(side) * side);
-    const auto row = [&](size_t y) { return sums.data() + y * side; };
+template <size_t channels> std::vector<double> plain_sums(const Target& source) {
+    std::vector<double> sums(static_cast<size_t>(side) * side * channels);
+    const auto row = [&](size_t y) { return sums.data() + y * side * channels; };
     parallel_for(side, 16, [&](size_t begin, size_t end) {
         for (size_t y = begin; y < end; ++y) {
             const float* values = source.row<float>(static_cast<int>(y));
-            double sum = 0;
-            for (size_t x = 0; x < side; ++x) row(y)[x] = sum += static_cast<double>(values[x]);
+            double sum[channels] = {};
+            for (size_t i = 0; i < side * channels; i += channels)
+                for (size_t c = 0; c < channels; ++c) row(y)[i + c] = sum[c] += static_cast<double>(values[i + c]);
         }
     });
-    parallel_for(side, 64, [&](size_t begin, size_t end) {
+    parallel_for(side * channels, 64, [&](size_t begin, size_t end) {
         for (size_t y = 1; y < side; ++y)
-            for (size_t x = begin; x < end; ++x) row(y)[x] += row(y - 1)[x];
+            for (size_t i = begin; i < end; ++i) row(y)[i] += row(y - 1)[i];
     });
     return sums;
 }
 
-template <class T> void bench_summed_area(Bench& bench, const char* arithmetic) {
+template <class T, size_t channels = 1> void bench_summed_area(Bench& bench, const char* arithmetic) {
     const std::string name = fmt::format("summed-area table {0}x{0} {1}", side, arithmetic);
     if (!bench.wanted(name)) return;
     PassLog log;
-    Target source(Format::R32F, side, side, 1, log.memory);
+    Target source(channels == 1 ? Format::R32F : Format::RGBA32F, side, side, 1, log.memory);
     for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x)
-            source.row<float>(y)[x] = to_unit(hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 1u));
+        for (size_t i = 0; i < side * channels; ++i)
+            source.row<float>(y)[i] = to_unit(hash(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(y), 1u));
     double ours = 0, theirs = 0;
     bench.run(
         name,
         [&] {
             Pass pass(log, "sat");
             const SummedArea<T> table = summed_area<T>(pass, source);
-            ours = static_cast<double>(table.sum(side - 1, side - 1, 0)) * table.unit;
+            ours = static_cast<double>(table.sum(side - 1, side - 1, channels - 1)) * table.unit;
         },
-        "plain loops, double", [&] { theirs = plain_sums(source).back(); });
+        "plain loops, double", [&] { theirs = plain_sums<channels>(source).back(); });
     bench.agree(name, ours, theirs, 1e-5);
     print_rate(bench, name, static_cast<double>(side) * side, "texels");
 }
@@ -232,6 +233,10 @@ void bench_passes(Bench& bench) {
     bench_summed_area<std::int64_t>(bench, "int64");
     bench_summed_area<double>(bench, "double");
     bench_summed_area<float>(bench, "float");
+    bench_summed_area<std::int64_t, 4>(bench, "int64 rgba");
+    bench_summed_area<std::uint32_t, 4>(bench, "uint32 rgba");
+    bench_summed_area<double, 4>(bench, "double rgba");
+    bench_summed_area<float, 4>(bench, "float rgba");
     bench_percentage_closer(bench);
     for (const char* id : {"rbsm-cons", "rbsm-nonc", "rbsm-filt"}) bench_revectorization(bench, id);
 }

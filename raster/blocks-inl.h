@@ -19,7 +19,8 @@ struct BlockEdges {
     TileEdges edges;
     RowInt most_inside[3][row_parts],
         least_inside[3][row_parts]; // of the edge functions in each block of the lowest row
-    Int ramp[3][int_parts];         // from a patch's lower left pixel
+    static constexpr std::size_t ramp_parts = block_pixels / int_lanes;
+    Int ramp[3][ramp_parts]; // from a block's lower left pixel to each of its pixels
 
     HWY_INLINE explicit BlockEdges(const TileEdges& e) : edges(e) {
         const Ints i;
@@ -34,9 +35,15 @@ struct BlockEdges {
                 most_inside[k][p] = hn::Add(corner, hn::Set(blocks, span * (most(a, 0) + most(b, 0))));
                 least_inside[k][p] = hn::Add(corner, hn::Set(blocks, span * (least(a, 0) + least(b, 0))));
             }
-            for (std::size_t p = 0; p < int_parts; ++p)
-                ramp[k][p] = hn::Add(hn::Mul(hn::Load(i, patch_places<std::int32_t>.x + p * int_lanes), hn::Set(i, a)),
-                                     hn::Mul(hn::Load(i, patch_places<std::int32_t>.y + p * int_lanes), hn::Set(i, b)));
+            const auto right = hn::Set(i, a * patch_side), up = hn::Set(i, b * patch_side);
+            for (std::size_t p = 0; p < int_parts; ++p) {
+                const auto x = hn::Mul(hn::Load(i, patch_places<std::int32_t>.x + p * int_lanes), hn::Set(i, a));
+                const auto y = hn::Mul(hn::Load(i, patch_places<std::int32_t>.y + p * int_lanes), hn::Set(i, b));
+                ramp[k][p] = hn::Add(x, y);
+                ramp[k][int_parts + p] = hn::Add(ramp[k][p], right);
+                ramp[k][2 * int_parts + p] = hn::Add(ramp[k][p], up);
+                ramp[k][3 * int_parts + p] = hn::Add(ramp[k][int_parts + p], up);
+            }
         }
     }
 
@@ -60,28 +67,23 @@ struct BlockEdges {
         return row;
     }
 
-    // Pixels of the block at (x, y) inside those edges that cross it.
-    HWY_INLINE std::uint64_t covered(const Row& row, int column, int y) const {
+    // Pixels of the block at (x, y) inside all edges.
+    HWY_INLINE std::uint64_t covered(int x, int y) const {
         const Ints i;
+        Int corner[3];
+        for (int k = 0; k < 3; ++k) corner[k] = hn::Set(i, edges.base[k] + edges.a[k] * x + edges.b[k] * y);
         std::uint64_t outside = 0;
-        for (int k = 0; k < 3; ++k) {
-            if (!(row.crossed[k] >> column & 1)) continue;
-            const std::int32_t corner = edges.base[k] + edges.a[k] * column * block_side + edges.b[k] * y;
-            for (std::size_t patch = 0; patch < 4; ++patch) {
-                const std::int32_t right = patch & 1 ? edges.a[k] * patch_side : 0,
-                                   up = patch & 2 ? edges.b[k] * patch_side : 0;
-                for (std::size_t p = 0; p < int_parts; ++p) {
-                    const auto value = hn::Add(ramp[k][p], hn::Set(i, corner + (right + up)));
-                    outside |= bits_of(i, hn::Lt(value, hn::Zero(i))) << (patch * patch_pixels + p * int_lanes);
-                }
-            }
+        for (std::size_t p = 0; p < ramp_parts; ++p) {
+            const auto value = [&](std::size_t k) HWY_ATTR { return hn::Add(corner[k], ramp[k][p]); };
+            const auto any = hn::Or3(value(0), value(1), value(2)); // negative where one of them is
+            outside |= bits_of(i, hn::Lt(any, hn::Zero(i))) << (p * int_lanes);
         }
         return ~outside;
     }
 };
 
 // Depth test, or with `all` only the write, of the covered pixels of one block; returns those that pass.
-template <bool with_ids, KeyKind kind, bool less>
+template <bool with_ids, KeyKind kind, bool usual>
 HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth, int x,
                                       int y, std::uint64_t covered, bool all, std::uint32_t id) {
     const Ints i;
@@ -98,9 +100,9 @@ HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, c
             if (!bits) continue;
             Lanes in[int_parts];
             for (std::size_t p = 0; p < int_parts; ++p) in[p] = mask_of(i, bits >> (p * int_lanes));
-            passed |=
-                test_patch<with_ids, less, false>(state, tile, depth, columns[right], rows, block + at, in, all, id)
-                << at;
+            passed |= test_patch<with_ids, usual, false>(state, tile, depth, columns[right], rows, block + at, in, all,
+                                                         state.write, id)
+                      << at;
         }
     }
     return passed;

@@ -7,6 +7,8 @@
 #define GNOMON_DEPTH_BOUNDS_INL
 #endif
 
+#include <cmath>
+
 #include "raster/depth_keys-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -16,6 +18,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 using BlockRow = hn::CappedTag<std::int32_t, tile_blocks>; // one integer for each block of a row, in one part or more
 constexpr std::size_t row_lanes = hn::MaxLanes(BlockRow()), row_parts = tile_blocks / row_lanes;
 using RowInt = hn::Vec<BlockRow>;
+
+// Middles of a row of blocks.
+struct BlockMiddles {
+    alignas(64) double x[tile_blocks];
+    constexpr BlockMiddles() : x() {
+        for (std::size_t k = 0; k < tile_blocks; ++k) x[k] = block_side * (static_cast<double>(k) + 0.5);
+    }
+};
+constexpr BlockMiddles block_middles;
 
 // Blocks of a row, as bits, in which depths in [low, high] all pass, or none, against stored ones in [nearest,
 // farthest].
@@ -56,33 +67,47 @@ HWY_INLINE Verdicts judge(Compare test, const std::int32_t* low, const std::int3
     return {0, every};
 }
 
-// The least and the greatest key of the triangle in each block of the row at y. Depth is monotonic along x and y,
-// rounding and all, so its extremes over a block are at corners.
-template <KeyKind kind>
-HWY_NOINLINE void bound_depths(const DepthKeys<kind>& depth, int y, std::int32_t* low, std::int32_t* high) {
-    const BlockRow blocks;
-    const hn::CappedTag<double, row_lanes> d;
-    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, row_lanes>());
-    constexpr int last = block_side - 1;
-    const auto bound = [&](bool upper, std::int32_t* out) {
-        const double first = (((depth.dx > 0) == upper ? last : 0) + 0.5) - depth.anchor_x;
-        const double up = (y + ((depth.dy > 0) == upper ? last : 0) + 0.5) - depth.anchor_y;
-        const auto row = hn::Set(d, depth.value + depth.dy * up);
-        alignas(64) std::int32_t keys[tile_blocks];
-        const hn::Rebind<std::int32_t, hn::CappedTag<double, row_lanes>> narrow;
-        for (std::size_t k = 0; k < tile_blocks; k += lanes) {
-            const auto x = hn::Add(hn::Set(d, first), hn::Mul(hn::Iota(d, static_cast<double>(k)), hn::Set(d, 8.0)));
-            const auto z = hn::Add(row, hn::Mul(hn::Set(d, depth.dx), x));
-            hn::StoreU(to_key<kind>(z, depth.offset, depth.scale), narrow, keys + k);
+// Bounds of the triangle's keys in each block of a row of blocks: the depth in a block's middle, give or take how much
+// the plane rises over half of it, and what doubles round.
+template <KeyKind kind> struct BlockDepths {
+    using Row = hn::CappedTag<double, row_lanes>;
+    static constexpr std::size_t parts = tile_blocks / hn::MaxLanes(Row());
+    hn::Vec<Row> right[parts]; // in the middles of the blocks: dx·(x − x0)
+    double half;
+
+    HWY_INLINE explicit BlockDepths(const DepthKeys<kind>& depth) {
+        const Row d;
+        constexpr double middle = 0.5 * block_side;
+        for (std::size_t p = 0; p < parts; ++p) {
+            const auto x = hn::Sub(hn::Load(d, block_middles.x + p * hn::MaxLanes(d)), hn::Set(d, depth.anchor_x));
+            right[p] = hn::Mul(hn::Set(d, depth.dx), x);
         }
-        for (std::size_t p = 0; p < tile_blocks; p += row_lanes)
-            hn::StoreU(
-                hn::Min(hn::Max(hn::LoadU(blocks, keys + p), hn::Set(blocks, depth.low)), hn::Set(blocks, depth.high)),
-                blocks, out + p);
-    };
-    bound(false, low);
-    bound(true, high);
-}
+        // Distances to the anchor are below 2¹⁶ pixels, so that 2⁻²⁰ of the rise over half a block is more than is
+        // rounded of products with dx and dy, here and for the keys; of the rest, 2⁻⁵⁰ is more.
+        half = (middle - 0.5) * (std::abs(depth.dx) + std::abs(depth.dy)) * (1.0 + 0x1p-20) +
+               (1.0 + std::abs(depth.value)) * 0x1p-50;
+    }
+    HWY_INLINE void bound(const DepthKeys<kind>& depth, int y, std::int32_t* low, std::int32_t* high) const {
+        const Row d;
+        const BlockRow i;
+        const hn::Rebind<std::int32_t, Row> narrow;
+        const auto row = hn::Set(d, depth.value + depth.dy * (y + 0.5 * block_side - depth.anchor_y));
+        alignas(64) std::int32_t keys[2][tile_blocks];
+        for (std::size_t p = 0; p < parts; ++p) {
+            const auto z = hn::Add(row, right[p]);
+            const auto key = [&](auto v) HWY_ATTR { return to_key<kind>(v, depth.offset, depth.scale); };
+            hn::Store(key(hn::Sub(z, hn::Set(d, half))), narrow, keys[0] + p * hn::MaxLanes(d));
+            hn::Store(key(hn::Add(z, hn::Set(d, half))), narrow, keys[1] + p * hn::MaxLanes(d));
+        }
+        const auto clamped = [&](const std::int32_t* key) HWY_ATTR {
+            return hn::Min(hn::Max(hn::Load(i, key), hn::Set(i, depth.low)), hn::Set(i, depth.high));
+        };
+        for (std::size_t p = 0; p < tile_blocks; p += row_lanes) {
+            hn::Store(clamped(keys[0] + p), i, low + p);
+            hn::Store(clamped(keys[1] + p), i, high + p);
+        }
+    }
+};
 
 // Makes a block's depth bounds anew.
 void refresh_bounds(DepthTile& tile, int block) {

@@ -60,6 +60,17 @@ template <KeyKind kind, class V> HWY_INLINE auto to_key(V z, double offset, doub
         return hn::BitCast(i, hn::DemoteTo(f, z));
 }
 
+#if HWY_TARGET != HWY_SCALAR
+// Two halves of a vector, but not by hn::Combine(), which clears the upper one before it is written.
+template <class V> HWY_INLINE Int joined(V low, V high) {
+#if HWY_TARGET == HWY_AVX3
+    return Int{_mm512_inserti32x8(_mm512_castsi256_si512(low.raw), high.raw, 1)};
+#else
+    return hn::Combine(Ints(), high, low);
+#endif
+}
+#endif
+
 // The triangle's depth plane as keys: (value + dy·(y − y0)) + dx·(x − x0), clamped to the corners' range, moved by the
 // offset, clamped to [0, 1], quantized. All of this is monotonic, so the two clamps may come last, as integers: no key
 // of a depth in [0, 1] is negative, and whatever is beyond stays beyond.
@@ -115,7 +126,7 @@ template <KeyKind kind> struct DepthKeys {
 #if HWY_TARGET == HWY_SCALAR
         return key(part);
 #else
-        return hn::Combine(Ints(), key(2 * part + 1), key(2 * part));
+        return joined(key(2 * part), key(2 * part + 1));
 #endif
     }
 
@@ -132,9 +143,8 @@ private:
     }
 };
 
-// Which of the fresh depths pass; the commonest test is known when compiling.
-template <bool less> HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored) {
-    if constexpr (less) return hn::Lt(fresh, stored);
+// Which of the fresh depths pass.
+HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored) {
     switch (test) {
     case Compare::Less:
         return hn::Lt(fresh, stored);
@@ -156,24 +166,31 @@ template <bool less> HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored
     return hn::Ne(fresh, fresh);
 }
 
-// Tests a patch, of which `in` are the pixels that count, or with `whole` all, and stores what passes, depth and id;
-// the pixels that pass.
-template <bool with_ids, bool less, bool whole, KeyKind kind>
+// Tests a patch, of which `in` are the pixels that count, or with `whole` all, and with `write` stores what passes,
+// depth and id; the pixels that pass. The usual test, known when compiling, is Less.
+template <bool with_ids, bool usual, bool whole, KeyKind kind>
 HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth,
                                     const typename DepthKeys<kind>::Columns& columns,
                                     const typename DepthKeys<kind>::Rows& rows, std::size_t at, const Lanes* in,
-                                    bool all, std::uint32_t id) {
+                                    bool all, bool write, std::uint32_t id) {
     const Ints i;
     std::uint64_t passed = 0;
     for (std::size_t p = 0; p < int_parts; ++p, at += int_lanes) {
         const Int fresh = depth.at(columns, rows, p), stored = hn::Load(i, tile.depth + at);
         Lanes pass;
-        if constexpr (whole)
-            pass = passes<less>(state.test, fresh, stored);
-        else
-            pass = all ? in[p] : hn::And(passes<less>(state.test, fresh, stored), in[p]);
+        Int kept;
+        if constexpr (usual) {
+            kept = hn::Min(stored, fresh);
+            if constexpr (!whole) kept = hn::IfThenElse(in[p], kept, stored);
+            pass = hn::Lt(kept, stored);
+        } else {
+            pass = whole ? passes(state.test, fresh, stored)
+                   : all ? in[p]
+                         : hn::And(passes(state.test, fresh, stored), in[p]);
+            kept = hn::IfThenElse(pass, fresh, stored);
+        }
         // Whole vectors, so that the next load need not wait for a part of one.
-        if (state.write) hn::Store(hn::IfThenElse(pass, fresh, stored), i, tile.depth + at);
+        if (write) hn::Store(kept, i, tile.depth + at);
         if constexpr (with_ids) {
             auto* ids = reinterpret_cast<std::int32_t*>(tile.id) + at;
             hn::Store(hn::IfThenElse(pass, hn::Set(i, static_cast<std::int32_t>(id)), hn::Load(i, ids)), i, ids);

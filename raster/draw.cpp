@@ -18,7 +18,7 @@
 namespace gnomon::detail {
 namespace {
 
-constexpr size_t vertex_grain = 8192;
+constexpr size_t vertex_grain = 2048;
 // A batch of triangles is set up, then drawn, before the next: that bounds the memory of the bins. A large batch loads
 // and stores tiles less often, a small one stays in the caches.
 constexpr size_t batch_chunks = 64; // set-up tasks of a batch

@@ -18,14 +18,14 @@ namespace gnomon::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // One triangle, by blocks.
-template <ListMode mode, KeyKind kind, bool less>
+template <ListMode mode, KeyKind kind, bool usual>
 HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                               std::uint32_t id, TileCounts& counts) {
     constexpr bool with_ids = mode == ListMode::Ids, counting = is_counting(mode);
     const TileEdges tile_edge = tile_edges(t, state.conservative, tile.x, tile.y);
     if (tile_edge.empty) return;
     if constexpr (!counting)
-        if (tile_edge.crossed) return draw_large<mode, kind, less>(state, tile, t, box, tile_edge, id, counts);
+        if (tile_edge.crossed) return draw_large<mode, kind, usual>(state, tile, t, box, tile_edge, id, counts);
     const BlockEdges edges(tile_edge);
     const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
@@ -35,29 +35,30 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
     const std::uint32_t whole_columns = w1 > w0 ? (1u << w1) - (1u << w0) : 0;
     // Bounds of the whole triangle do for one that is not large.
     const bool large = c1 - c0 > 3 || r1 - r0 > 3;
+    const BlockDepths<kind> depths(depth);
     alignas(64) std::int32_t low[tile_blocks], high[tile_blocks];
-    bool bounded = true;
+    bool whole_range = false;
     for (int r = r0; r <= r1; ++r) {
         const int y = r * block_side;
         const BlockEdges::Row row = edges.row(y);
         const std::uint32_t touched = row.touched & columns;
         if (!touched) continue;
-        for (std::size_t k = 0; bounded && k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
-        bounded = false;
+        for (std::size_t k = 0; !whole_range && k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
+        whole_range = true;
         const std::uint32_t in_box = y >= box.y0 && y + 7 <= box.y1 ? whole_columns : 0;
         const std::uint32_t whole = in_box & ~(row.crossed[0] | row.crossed[1] | row.crossed[2]);
         prepare_bounds(state, tile, r, touched, low, high);
         const int first = r * tile_blocks;
         Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
         if (large && touched & ~(verdicts.all | verdicts.none)) { // what the whole triangle's range leaves open
-            bound_depths(depth, y, low, high);
+            whole_range = false;
+            depths.bound(depth, y, low, high);
             prepare_bounds(state, tile, r, touched, low, high);
             verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);
-            bounded = true;
         }
 
         // What bounds alone decide.
-        const std::uint32_t filled = state.write ? whole & verdicts.all : 0;
+        const std::uint32_t filled = !counting && state.write ? whole & verdicts.all : 0;
         for (std::uint32_t rest = filled; rest; rest &= rest - 1) {
             const int c = static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest));
             fill_block<with_ids>(tile, depth, c * block_side, y, low[c], high[c], id);
@@ -73,7 +74,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
             const int block = first + column;
             std::uint64_t covered = every_pixel;
             if (!(whole >> column & 1)) {
-                covered = edges.covered(row, column, y);
+                covered = edges.covered(x, y);
                 if (!(in_box >> column & 1)) covered &= box_pixels(box, x, y);
                 if (!covered) continue;
             }
@@ -83,7 +84,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
             if (all && !with_ids && !state.write) {
                 passed = covered;
             } else if (!(verdicts.none >> column & 1)) {
-                passed = test_block<with_ids, kind, less>(state, tile, depth, x, y, covered, all, id);
+                passed = test_block<with_ids, kind, usual>(state, tile, depth, x, y, covered, all, id);
                 if (passed && state.write) loosen_bounds(state, tile, block, low[column], high[column]);
             }
             counts.passed += bit_count(passed);
@@ -94,7 +95,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
     }
 }
 
-template <ListMode mode, KeyKind kind, bool less>
+template <ListMode mode, KeyKind kind, bool usual>
 void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
               std::size_t count, std::uint32_t first_id, TileCounts& counts) {
     constexpr std::size_t ahead = 8; // triangles on their way from memory
@@ -107,16 +108,17 @@ void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* tria
         const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
         if (t.extent != Extent::Large && (box.x1 >> 2) - (box.x0 >> 2) > 2)
-            draw_medium<mode, kind, less>(state, tile, t, box, id, counts);
+            draw_medium<mode, kind, usual>(state, tile, t, box, id, counts);
         else if (t.extent != Extent::Large)
-            draw_small<mode, kind, less>(state, tile, t, box, id, counts);
+            draw_small<mode, kind, usual>(state, tile, t, box, id, counts);
         else
-            draw_blocks<mode, kind, less>(state, tile, t, box, id, counts);
+            draw_blocks<mode, kind, usual>(state, tile, t, box, id, counts);
     }
 }
 
 template <ListMode mode, KeyKind kind> DrawList for_test(const ListState& state) {
-    return state.test == Compare::Less ? draw_all<mode, kind, true> : draw_all<mode, kind, false>;
+    const bool usual = state.test == Compare::Less && state.write == !is_counting(mode);
+    return usual ? draw_all<mode, kind, true> : draw_all<mode, kind, false>;
 }
 template <ListMode mode> DrawList for_format(const ListState& state) {
     if (state.key_scale != 0) return for_test<mode, KeyKind::Unorm>(state);

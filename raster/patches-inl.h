@@ -50,6 +50,15 @@ struct SmallEdges {
     }
 };
 
+// First pixel of each column of patches.
+template <class T> struct PatchColumns {
+    alignas(64) T first_pixel[patch_pixels] = {};
+    constexpr PatchColumns() {
+        for (std::size_t n = 0; n < patch_pixels; ++n) first_pixel[n] = static_cast<T>(patch_side * n);
+    }
+};
+template <class T> constexpr PatchColumns<T> patch_columns;
+
 // Bits of the blocks that the box touches.
 HWY_INLINE std::uint64_t blocks_of(const LocalBox& box) {
     const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
@@ -94,27 +103,33 @@ template <class T> struct PatchEdges {
     }
 };
 
+// Whether depth is written: in the usual state, known when compiling, unless there are counts.
+template <ListMode mode, bool usual> HWY_INLINE bool writes(const ListState& state) {
+    return usual ? !is_counting(mode) : state.write;
+}
+
 // What a triangle did in a tile.
 struct DrawnPixels {
     std::uint64_t covered = 0, passed = 0;
 
+    template <ListMode mode, bool usual>
     HWY_INLINE void add_to(TileCounts& counts, const ListState& state, DepthTile& tile, const LocalBox& box) const {
         counts.covered += static_cast<std::int64_t>(covered);
         counts.passed += static_cast<std::int64_t>(passed);
-        if (state.write && passed) tile.unknown |= blocks_of(box);
+        if (writes<mode, usual>(state) && passed) tile.unknown |= blocks_of(box);
     }
 };
 
 // Tests one patch and does what follows from it. With `whole`, all of its pixels count, whatever `inside` says.
-template <ListMode mode, bool less, bool whole, KeyKind kind>
+template <ListMode mode, bool usual, bool whole, KeyKind kind>
 HWY_INLINE void draw_patch(const ListState& state, DepthTile& tile, bool front, const DepthKeys<kind>& depth,
                            const typename DepthKeys<kind>::Columns& columns, const typename DepthKeys<kind>::Rows& rows,
                            std::size_t at, const Lanes* inside, std::uint32_t id, DrawnPixels& drawn,
                            TileCounts& counts) {
     std::uint64_t covered = whole ? 0xffff : 0;
     for (std::size_t p = 0; !whole && p < int_parts; ++p) covered |= bits_of(Ints(), inside[p]) << (p * int_lanes);
-    const std::uint64_t passed =
-        test_patch<mode == ListMode::Ids, less, whole>(state, tile, depth, columns, rows, at, inside, false, id);
+    const std::uint64_t passed = test_patch<mode == ListMode::Ids, usual, whole>(
+        state, tile, depth, columns, rows, at, inside, false, writes<mode, usual>(state), id);
     drawn.covered += whole ? patch_pixels : hwy::PopCount(covered);
     drawn.passed += hwy::PopCount(passed);
     if constexpr (is_counting(mode))
@@ -127,6 +142,10 @@ HWY_INLINE std::uint32_t row_pixels(const LocalBox& box, int y) {
 }
 HWY_INLINE std::uint32_t column_pixels(const LocalBox& box, int x) {
     return ((0xfu >> most(x + 3 - box.x1, 0)) & (0xfu << most(box.x0 - x, 0)) & 0xf) * 0x1111u;
+}
+
+HWY_INLINE bool whole_patches(const LocalBox& box) {
+    return ((box.x0 | box.y0 | ~box.x1 | ~box.y1) & (patch_side - 1)) == 0;
 }
 
 // Where the n-th patch of a row of patches lies in the tile.
@@ -145,7 +164,7 @@ HWY_INLINE std::size_t place_of_patch(int column, int row) {
 }
 
 // A triangle of few patches: one after the other, without asking which it touches.
-template <ListMode mode, KeyKind kind, bool less>
+template <ListMode mode, KeyKind kind, bool usual>
 HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                              std::uint32_t id, TileCounts& counts) {
     const Ints i;
@@ -154,6 +173,7 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
     const SmallEdges small(t, state.conservative, tile.x + first * patch_side, tile.y + first_row * patch_side);
     PatchEdges<float> row_edges(small.base, small.a, small.b);
     const auto first_columns = depth.columns(static_cast<std::size_t>(first));
+    const bool cut = t.extent != Extent::Small; // otherwise the edges alone tell what is inside
     DrawnPixels drawn;
     for (int row = first_row, last_row = box.y1 / patch_side;;) {
         const auto rows = depth.rows(static_cast<std::size_t>(row));
@@ -162,13 +182,13 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
         for (int n = first;;) {
             Lanes inside[int_parts];
             for (std::size_t p = 0; p < int_parts; ++p) inside[p] = edges.inside(p);
-            if (t.extent != Extent::Small) {
+            if (cut) {
                 const std::uint32_t in_box = row_pixels(box, row * patch_side) & column_pixels(box, n * patch_side);
                 for (std::size_t p = 0; p < int_parts; ++p)
                     inside[p] = hn::And(inside[p], mask_of(i, in_box >> (p * int_lanes)));
             }
-            draw_patch<mode, less, false>(state, tile, t.front, depth, columns, rows, place_of_patch(n, row), inside,
-                                          id, drawn, counts);
+            draw_patch<mode, usual, false>(state, tile, t.front, depth, columns, rows, place_of_patch(n, row), inside,
+                                           id, drawn, counts);
             if (++n > last) break;
             edges.move(edges.right);
             columns = depth.columns(static_cast<std::size_t>(n));
@@ -176,116 +196,161 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
         if (++row > last_row) break;
         row_edges.move(row_edges.up);
     }
-    drawn.add_to(counts, state, tile, box);
+    drawn.add_to<mode, usual>(counts, state, tile, box);
 }
+
+// Patches of a tile, each as one number: its place in the tile, its column and its row.
+struct PatchNumbers {
+    alignas(64) std::int32_t column[tile_patches], row[tile_patches];
+    constexpr PatchNumbers() : column(), row() {
+        for (std::size_t n = 0; n < tile_patches; ++n) {
+            const auto number = static_cast<std::int32_t>(n);
+            column[n] = static_cast<std::int32_t>(patch_offsets.column[n]) | number << 12;
+            row[n] = static_cast<std::int32_t>(patch_offsets.row[n]) | number << 16;
+        }
+    }
+    static std::size_t place(std::int32_t patch) { return static_cast<std::size_t>(patch & 0xfff); }
+    static std::size_t column_of(std::int32_t patch) { return static_cast<std::size_t>(patch >> 12 & 15); }
+    static std::size_t row_of(std::int32_t patch) { return static_cast<std::size_t>(patch >> 16); }
+};
+constexpr PatchNumbers patch_numbers;
+
+// Patches that a triangle touches, those that it covers apart from those that edges cross; of these the edge functions
+// at their first pixels. What is in the lists is drawn without asking: loops whose ends nobody can predict, one for
+// each row of patches, would take as long as the drawing.
+template <class T> struct PatchLists {
+    static constexpr std::size_t most = tile_patches * tile_patches + patch_pixels; // a vector is written at the end
+    std::size_t whole_count = 0, crossed_count = 0;
+    alignas(64) std::int32_t whole[most], crossed[most];
+    alignas(64) T corner[3][most];
+};
 
 // A row of patches across the tile, one lane each: which of them the triangle touches, and which it covers.
 template <class T> struct RowOfPatches {
     static_assert(tile_side == patch_side * static_cast<int>(patch_pixels));
-    using Lane = typename PatchEdges<T>::Lane;
-    hn::Vec<Lane> corner[3][int_parts], most_inside[3], least_inside[3];
-    alignas(64) T right[3][patch_pixels]; // from the row's first patch to each
+    using Lane = hn::CappedTag<T, patch_pixels>;
+    hn::Vec<Lane> corner[3][int_parts], up[3], most_inside[3], least_inside[3];
 
-    HWY_INLINE RowOfPatches(const PatchEdges<T>& edges, const T* base, const T* a, const T* b) {
+    HWY_INLINE RowOfPatches(const T* base, const T* a, const T* b) {
         const Lane d;
         for (std::size_t e = 0; e < 3; ++e) {
             const auto right_step = hn::Set(d, a[e]), up_step = hn::Set(d, b[e]), zero = hn::Zero(d);
             const auto span = hn::Set(d, T{patch_side - 1});
+            up[e] = hn::Mul(up_step, hn::Set(d, T{patch_side}));
             most_inside[e] = hn::Mul(span, hn::Add(hn::Max(right_step, zero), hn::Max(up_step, zero)));
             least_inside[e] = hn::Mul(span, hn::Add(hn::Min(right_step, zero), hn::Min(up_step, zero)));
             for (std::size_t p = 0; p < int_parts; ++p) {
-                const auto offset = hn::Mul(hn::Iota(d, static_cast<T>(p * int_lanes)), edges.right[e]);
-                hn::Store(offset, d, right[e] + p * int_lanes);
+                const auto offset = hn::Mul(hn::Load(d, patch_columns<T>.first_pixel + p * int_lanes), right_step);
                 corner[e][p] = hn::Add(hn::Set(d, base[e]), offset);
             }
         }
     }
-    HWY_INLINE std::uint32_t touched() const { return at_least(most_inside); }
-    HWY_INLINE std::uint32_t whole() const { return at_least(least_inside); }
-    HWY_INLINE void move(const hn::Vec<Lane>* step) {
+    HWY_INLINE void move() {
         for (std::size_t e = 0; e < 3; ++e)
-            for (std::size_t p = 0; p < int_parts; ++p) corner[e][p] = hn::Add(corner[e][p], step[e]);
+            for (std::size_t p = 0; p < int_parts; ++p) corner[e][p] = hn::Add(corner[e][p], up[e]);
     }
-    // Pixels of patch n inside the edges, of which `row` are those at the row's first patch.
-    HWY_INLINE Lanes inside(const PatchEdges<T>& row, std::size_t n, std::size_t p) const {
+    // Lists row y of patches, of which those in `columns` count, as bits; in `whole_columns` those that may be whole.
+    HWY_INLINE void list(std::size_t y, std::uint32_t columns, std::uint32_t whole_columns,
+                         PatchLists<T>& lists) const {
+        const Ints i;
         const Lane d;
-        auto least = hn::Add(row.value[0][p], hn::Set(d, right[0][n]));
-        for (std::size_t e = 1; e < 3; ++e) least = hn::Min(least, hn::Add(row.value[e][p], hn::Set(d, right[e][n])));
-        return hn::RebindMask(Ints(), nonnegative(least));
+        for (std::size_t p = 0; p < int_parts; ++p) {
+            const auto touched = hn::And(at_least(most_inside, p), mask_of(d, columns >> (p * int_lanes)));
+            const auto whole = hn::And(at_least(least_inside, p), mask_of(d, whole_columns >> (p * int_lanes)));
+            const auto crossed = hn::AndNot(whole, touched);
+            const auto numbers =
+                hn::Add(hn::Load(i, patch_numbers.column + p * int_lanes), hn::Set(i, patch_numbers.row[y]));
+            hn::StoreU(hn::Compress(numbers, hn::RebindMask(i, whole)), i, lists.whole + lists.whole_count);
+            hn::StoreU(hn::Compress(numbers, hn::RebindMask(i, crossed)), i, lists.crossed + lists.crossed_count);
+            for (std::size_t e = 0; e < 3; ++e)
+                hn::StoreU(hn::Compress(corner[e][p], crossed), d, lists.corner[e] + lists.crossed_count);
+            lists.whole_count += hn::CountTrue(d, whole);
+            lists.crossed_count += hn::CountTrue(d, crossed);
+        }
     }
 
 private:
-    HWY_INLINE std::uint32_t at_least(const hn::Vec<Lane>* offset) const {
-        const Lane d;
-        std::uint64_t bits = 0;
-        for (std::size_t p = 0; p < int_parts; ++p) {
-            const auto least = hn::Min(hn::Min(hn::Add(corner[0][p], offset[0]), hn::Add(corner[1][p], offset[1])),
-                                       hn::Add(corner[2][p], offset[2]));
-            bits |= bits_of(d, nonnegative(least)) << (p * int_lanes);
-        }
-        return static_cast<std::uint32_t>(bits);
+    HWY_INLINE hn::Mask<Lane> at_least(const hn::Vec<Lane>* offset, std::size_t p) const {
+        return nonnegative(hn::Min(hn::Min(hn::Add(corner[0][p], offset[0]), hn::Add(corner[1][p], offset[1])),
+                                   hn::Add(corner[2][p], offset[2])));
     }
 };
 
-// A triangle of more patches: asking first which patches of a row it touches, and which it covers. The edges are those
-// at the tile's first column and the row of patches at y0.
-template <ListMode mode, KeyKind kind, bool less, class T>
+// A triangle of more patches: listing first which it touches, and which it covers. The edges are those at the tile's
+// first column and the row of patches at y0.
+template <ListMode mode, KeyKind kind, bool usual, class T>
 HWY_INLINE void draw_rows(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box, int y0,
                           const T* base, const T* a, const T* b, std::uint32_t id, TileCounts& counts) {
-    const Ints i;
+    using Lane = hn::CappedTag<T, patch_pixels>;
+    const Lane d;
+    // Otherwise the edges, or patches alone, tell what is inside.
+    const bool cut = t.extent != Extent::Small && !whole_patches(box);
     const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int first = box.x0 / patch_side, last = box.x1 / patch_side;
-    PatchEdges<T> edges(base, a, b);
-    RowOfPatches<T> row(edges, base, a, b);
-    const std::uint32_t box_columns = (2u << last) - (1u << first);
-    const std::uint32_t left = column_pixels(box, first * patch_side), right = column_pixels(box, last * patch_side);
-    typename DepthKeys<kind>::Columns columns[patch_pixels];
-    for (int n = first; n <= last; ++n) columns[n] = depth.columns(static_cast<std::size_t>(n));
+    const std::uint32_t columns = (2u << last) - (1u << first);
     // Columns of patches that the box holds whole: of those that an edge covers it may still cut some away.
-    const std::uint32_t whole_columns =
-        box_columns & ~((left != 0xffff ? 1u << first : 0) | (right != 0xffff ? 1u << last : 0));
-    DrawnPixels drawn;
+    const int first_whole = (box.x0 + 3) / patch_side, last_whole = (box.x1 + 1) / patch_side - 1;
+    const std::uint32_t whole_columns = last_whole >= first_whole ? (2u << last_whole) - (1u << first_whole) : 0;
+    typename DepthKeys<kind>::Columns column_depths[patch_pixels];
+    typename DepthKeys<kind>::Rows row_depths[patch_pixels];
+    for (int n = first; n <= last; ++n) column_depths[n] = depth.columns(static_cast<std::size_t>(n));
+    PatchLists<T> lists;
+    RowOfPatches<T> row(base, a, b);
     for (int y = y0; y <= box.y1; y += patch_side) {
-        const auto rows = depth.rows(static_cast<std::size_t>(y / patch_side));
-        const std::uint32_t in_rows = row_pixels(box, y), touched = row.touched() & box_columns;
-        const std::uint32_t whole = in_rows == 0xffff ? row.whole() & whole_columns : 0;
-        const auto place = [&](std::size_t n) { return place_of_patch(static_cast<int>(n), y / patch_side); };
-        for (std::uint32_t rest = whole; rest; rest &= rest - 1) {
-            const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
-            draw_patch<mode, less, true>(state, tile, t.front, depth, columns[n], rows, place(n), nullptr, id, drawn,
-                                         counts);
-        }
-        for (std::uint32_t rest = touched & ~whole; rest; rest &= rest - 1) {
-            const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
-            const std::uint32_t in_box = in_rows & (static_cast<int>(n) == first ? left : 0xffffu) &
-                                         (static_cast<int>(n) == last ? right : 0xffffu);
-            Lanes inside[int_parts];
-            for (std::size_t p = 0; p < int_parts; ++p)
-                inside[p] = hn::And(mask_of(i, in_box >> (p * int_lanes)), row.inside(edges, n, p));
-            draw_patch<mode, less, false>(state, tile, t.front, depth, columns[n], rows, place(n), inside, id, drawn,
-                                          counts);
-        }
-        edges.move(edges.up);
-        row.move(edges.up);
+        const auto n = static_cast<std::size_t>(y / patch_side);
+        row_depths[n] = depth.rows(n);
+        row.list(n, columns, y >= box.y0 && y + 3 <= box.y1 ? whole_columns : 0, lists);
+        row.move();
     }
-    drawn.add_to(counts, state, tile, box);
+
+    DrawnPixels drawn;
+    const auto draw = [&](std::int32_t patch, const Lanes* inside, auto whole) HWY_ATTR {
+        draw_patch<mode, usual, whole()>(state, tile, t.front, depth, column_depths[PatchNumbers::column_of(patch)],
+                                         row_depths[PatchNumbers::row_of(patch)], PatchNumbers::place(patch), inside,
+                                         id, drawn, counts);
+    };
+    for (std::size_t k = 0; k < lists.whole_count; ++k) draw(lists.whole[k], nullptr, std::true_type());
+    hn::Vec<Lane> offset[3][int_parts];
+    for (std::size_t e = 0; e < 3; ++e)
+        for (std::size_t p = 0; p < int_parts; ++p)
+            offset[e][p] = hn::Add(hn::Mul(hn::Set(d, a[e]), hn::Load(d, patch_places<T>.x + p * int_lanes)),
+                                   hn::Mul(hn::Set(d, b[e]), hn::Load(d, patch_places<T>.y + p * int_lanes)));
+    for (std::size_t k = 0; k < lists.crossed_count; ++k) {
+        const std::int32_t patch = lists.crossed[k];
+        Lanes inside[int_parts];
+        for (std::size_t p = 0; p < int_parts; ++p) {
+            auto least = hn::Add(offset[0][p], hn::Set(d, lists.corner[0][k]));
+            for (std::size_t e = 1; e < 3; ++e)
+                least = hn::Min(least, hn::Add(offset[e][p], hn::Set(d, lists.corner[e][k])));
+            inside[p] = hn::RebindMask(Ints(), nonnegative(least));
+        }
+        if (cut) {
+            const std::uint32_t in_box =
+                row_pixels(box, static_cast<int>(PatchNumbers::row_of(patch)) * patch_side) &
+                column_pixels(box, static_cast<int>(PatchNumbers::column_of(patch)) * patch_side);
+            for (std::size_t p = 0; p < int_parts; ++p)
+                inside[p] = hn::And(inside[p], mask_of(Ints(), in_box >> (p * int_lanes)));
+        }
+        draw(patch, inside, std::false_type());
+    }
+    drawn.add_to<mode, usual>(counts, state, tile, box);
 }
 
-template <ListMode mode, KeyKind kind, bool less>
+template <ListMode mode, KeyKind kind, bool usual>
 HWY_NOINLINE void draw_medium(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                               std::uint32_t id, TileCounts& counts) {
     const int y0 = box.y0 & -patch_side;
     const SmallEdges edges(t, state.conservative, tile.x, tile.y + y0);
-    draw_rows<mode, kind, less>(state, tile, t, box, y0, edges.base, edges.a, edges.b, id, counts);
+    draw_rows<mode, kind, usual>(state, tile, t, box, y0, edges.base, edges.a, edges.b, id, counts);
 }
 
-template <ListMode mode, KeyKind kind, bool less>
+template <ListMode mode, KeyKind kind, bool usual>
 HWY_NOINLINE void draw_large(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
                              const TileEdges& edges, std::uint32_t id, TileCounts& counts) {
     const int y0 = box.y0 & -patch_side;
     std::int32_t base[3];
     for (std::size_t e = 0; e < 3; ++e) base[e] = edges.base[e] + edges.b[e] * y0;
-    draw_rows<mode, kind, less>(state, tile, t, box, y0, base, edges.a, edges.b, id, counts);
+    draw_rows<mode, kind, usual>(state, tile, t, box, y0, base, edges.a, edges.b, id, counts);
 }
 
 } // namespace gnomon::detail::HWY_NAMESPACE

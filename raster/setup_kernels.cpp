@@ -6,6 +6,7 @@
 #include <hwy/highway.h>
 
 #include "raster/clip.h"
+#include "raster/kernels-inl.h"
 #include "raster/setup_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -200,7 +201,8 @@ std::size_t cull_part(const SetupState& state, const std::int32_t* window, const
         hn::CompressStore(v.y[c], alive, i, out.y[c] + at);
         hn::CompressStore(hn::BitCast(f, z[c]), hn::RebindMask(f, alive), f, out.z[c] + at);
     }
-    hn::CompressStore(hn::Iota(u, first), hn::RebindMask(u, alive), u, out.primitive + at);
+    const auto primitive = hn::Add(hn::Set(u, first), hn::Iota(u, 0));
+    hn::CompressStore(primitive, hn::RebindMask(u, alive), u, out.primitive + at);
     hn::StoreU(hn::Set(u, SetupTriangle::whole), u, out.piece + at);
     hn::StoreU(hn::Set(u, mirrored ? 1u : 0u), u, out.mirrored + at);
     out.count += hn::CountTrue(i, alive);
@@ -346,7 +348,7 @@ std::uint32_t touched_tiles(const SetupTriangle& t, int x0, int y, bool whole_pi
     const double inset = whole_pixels ? 0 : 128, side = tile_side * 256;
     std::uint32_t touched = 0;
     for (std::size_t p = 0; p < tiles; p += hn::MaxLanes(d)) {
-        const auto left = hn::Iota(d, static_cast<double>(x0) + static_cast<double>(p));
+        const auto left = counted_from(d, static_cast<double>(x0) + static_cast<double>(p));
         auto least = hn::Zero(d);
         for (int e = 0; e < 3; ++e) {
             const double a = t.y[e] - t.y[e + 1], b = t.x[e + 1] - t.x[e];
@@ -354,9 +356,7 @@ std::uint32_t touched_tiles(const SetupTriangle& t, int x0, int y, bool whole_pi
             const auto x = hn::Add(hn::Mul(left, hn::Set(d, side)), hn::Set(d, right - t.x[e]));
             least = hn::Min(least, hn::Add(hn::Mul(x, hn::Set(d, a)), hn::Set(d, b * up)));
         }
-        std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(d, hn::Ge(least, hn::Zero(d)), bits);
-        touched |= static_cast<std::uint32_t>(bits[0]) << p;
+        touched |= static_cast<std::uint32_t>(bits_of(d, hn::Ge(least, hn::Zero(d)))) << p;
     }
     return touched;
 }
