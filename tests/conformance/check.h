@@ -41,6 +41,7 @@ bool check_exact_volumes(const Options& options);
 bool check_infinite_volumes(const Options& options);
 bool check_states(const Options& options);
 bool check_blending(const Options& options);
+bool check_lines(const Options& options);
 bool check_multisampling(const Options& options);
 
 struct Random {

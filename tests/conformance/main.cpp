@@ -33,6 +33,7 @@ constexpr Check checks[] = {
     {"infinite-volumes", check_infinite_volumes, "and the two differ at one pixel in 10^4"},
     {"states", check_states, "depth functions, clamp, polygon offset, scissor, viewport, culling, masks"},
     {"blending", check_blending, "factors and operations on normalised, half and float targets"},
+    {"lines", check_lines, "lines as quads: the pixels of OpenGL's lines but for those at the ends"},
     {"multisampling", check_multisampling, "4 and 8 samples: the same triangle in every sample, and their mean"},
 };
 

@@ -129,6 +129,7 @@ Mesh::~Mesh() {
 void Mesh::upload(int components, std::span<const float> positions, std::span<const float> second,
                   std::span<const uvec3> triangles) {
     index_count_ = static_cast<int>(3 * triangles.size());
+    vertex_count_ = static_cast<int>(positions.size()) / components;
     glCreateVertexArrays(1, &vertex_array_);
     glCreateBuffers(3, buffers_);
     glNamedBufferStorage(buffers_[2], static_cast<GLsizeiptr>(triangles.size_bytes()), triangles.data(), 0);
@@ -147,6 +148,11 @@ void Mesh::upload(int components, std::span<const float> positions, std::span<co
 void Mesh::draw() const {
     glBindVertexArray(vertex_array_);
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+}
+
+void Mesh::draw_lines() const {
+    glBindVertexArray(vertex_array_);
+    glDrawArrays(GL_LINES, 0, vertex_count_);
 }
 
 void set_state(const PipelineState& state, int width, int height) {
