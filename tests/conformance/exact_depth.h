@@ -28,14 +28,18 @@ inline SnappedVertex snap(const vec4& p, const Rectangle& viewport) {
     return {fixed(x), fixed(y), static_cast<double>(p.z * oow * 0.5f + 0.5f)};
 }
 
-inline SnappedTriangle snap(const Batch& batch, std::uint32_t triangle, const Rectangle& viewport) {
+inline SnappedTriangle snap(const std::array<vec4, 3>& corners, const Rectangle& viewport) {
     SnappedTriangle t{};
-    for (glm::length_t i = 0; i < 3; ++i) {
-        const SnappedVertex v = snap(batch.positions[batch.triangles[triangle][i]], viewport);
-        const auto k = static_cast<size_t>(i);
-        t.x[k] = v.x, t.y[k] = v.y, t.z[k] = v.z;
+    for (size_t i = 0; i < 3; ++i) {
+        const SnappedVertex v = snap(corners[i], viewport);
+        t.x[i] = v.x, t.y[i] = v.y, t.z[i] = v.z;
     }
     return t;
+}
+
+inline SnappedTriangle snap(const Batch& batch, std::uint32_t triangle, const Rectangle& viewport) {
+    const uvec3 t = batch.triangles[triangle];
+    return snap({batch.positions[t.x], batch.positions[t.y], batch.positions[t.z]}, viewport);
 }
 
 struct ExactPlane {

@@ -38,15 +38,26 @@ struct ExactFragment {
     bool front;
 };
 
-std::optional<ExactFragment> exact_fragment(const Batch& batch, std::uint32_t triangle, const Rectangle& viewport,
+// Whether all corners lie on one side of the pixel, by a pixel and more, along x or y; most do.
+bool misses(const std::array<vec4, 3>& corners, const Rectangle& viewport, ivec2 pixel) {
+    const vec2 size(viewport.width, viewport.height), step = 2.0f / size;
+    const vec2 at = (vec2(pixel) + 0.5f - vec2(viewport.x, viewport.y)) * step - 1.0f;
+    for (const glm::length_t axis : {0, 1})
+        for (const float sign : {-1.0f, 1.0f})
+            if (std::all_of(corners.begin(), corners.end(), [&](const vec4& v) {
+                    return sign * (v[axis] - at[axis] * v.w) > step[axis] * std::abs(v.w);
+                }))
+                return true;
+    return false;
+}
+
+std::optional<ExactFragment> exact_fragment(const std::array<vec4, 3>& corners, const Rectangle& viewport,
                                             ivec2 pixel) {
-    const uvec3 index = batch.triangles[triangle];
-    const std::array corners = {batch.positions[index.x], batch.positions[index.y], batch.positions[index.z]};
     const auto inside = [](const vec4& v) { return v.w > 0 && std::abs(v.x) <= v.w && std::abs(v.y) <= v.w; };
     double z = 0;
     bool front = false;
     if (std::all_of(corners.begin(), corners.end(), inside)) {
-        const SnappedTriangle t = snap(batch, triangle, viewport);
+        const SnappedTriangle t = snap(corners, viewport);
         gnomon_tests::FixedTriangle fixed{};
         for (size_t i = 0; i < 3; ++i) fixed.v[i] = {std::llrint(t.x[i] * 256), std::llrint(t.y[i] * 256), 0.0f};
         if (!gnomon_tests::covers(fixed, pixel.x, pixel.y)) return std::nullopt;
@@ -73,11 +84,12 @@ struct Case {
 
 // The count that exact planes give: front faces −1 and back faces +1 where not nearer than the surface.
 std::uint32_t exact_count(const Case& c, ivec2 pixel) {
-    Batch batch{c.positions, {}};
     const auto visit = [&](const std::vector<uvec3>& triangles, const auto& use) {
-        batch.triangles = triangles;
-        for (std::uint32_t i = 0; i < triangles.size(); ++i)
-            if (const auto fragment = exact_fragment(batch, i, c.viewport, pixel)) use(*fragment);
+        for (const uvec3& t : triangles) {
+            const std::array corners = {c.positions[t.x], c.positions[t.y], c.positions[t.z]};
+            if (misses(corners, c.viewport, pixel)) continue;
+            if (const auto fragment = exact_fragment(corners, c.viewport, pixel)) use(*fragment);
+        }
     };
     float surface = 1;
     visit(c.near_caps, [&](const ExactFragment& f) { surface = std::min(surface, f.z); });
