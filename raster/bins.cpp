@@ -7,7 +7,7 @@ namespace gnomon::detail {
 namespace {
 
 constexpr size_t most_listed_tiles = 64;         // of one triangle
-constexpr size_t most_entries = size_t{1} << 16; // of a chunk, beyond which large triangles are kept aside
+constexpr size_t most_entries = size_t{1} << 18; // of a chunk, beyond which large triangles are kept aside
 
 TileBox tiles_of(const SetupTriangle& t) {
     return {t.x0 >> tile_shift, t.y0 >> tile_shift, t.x1 >> tile_shift, t.y1 >> tile_shift};

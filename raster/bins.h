@@ -2,8 +2,8 @@
 // Which triangles touch which 64×64 tile. A chunk of triangles is sorted by tile over the rectangle of tiles that it
 // touches; triangles over very many tiles are kept aside, so that memory grows with the triangles and not with their
 // area: small ones have at most 4 entries of 2 bytes each, and of 8 more while they are sorted, large ones at most 64,
-// and 65536 a chunk. With the 88 bytes of a set-up triangle a chunk of 16384, the largest, takes at most 5 MB, vectors
-// doubling included, and a batch of 64 of them at most 320 MB; targets of 2048² pixels and fewer have batches of a
+// and 262144 a chunk. With the 88 bytes of a set-up triangle a chunk of 16384, the largest, takes at most 7 MB, vectors
+// doubling included, and a batch of 64 of them at most 448 MB; targets of 1024² pixels and fewer have batches of a
 // quarter of that or less. Each triangle that is clipped may count up to seven times.
 
 #include <cstdint>

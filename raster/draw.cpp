@@ -23,7 +23,7 @@ constexpr size_t vertex_grain = 2048;
 // and stores tiles less often, a small one stays in the caches.
 constexpr size_t batch_chunks = 64; // set-up tasks of a batch
 constexpr size_t least_chunk_triangles = 2048, most_chunk_triangles = 16384;
-constexpr size_t batch_triangles_per_tile = 256;
+constexpr size_t batch_triangles_per_tile = 1024;
 static_assert(least_chunk_triangles * most_clipped_pieces <= Chunk::most_triangles);
 constexpr size_t most_vertices = size_t{1} << 29;
 
