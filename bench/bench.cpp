@@ -15,6 +15,8 @@ namespace {
 constexpr double least_seconds = 1.0; // of the whole of a benchmark
 constexpr size_t least_rounds = 5, most_rounds = 41;
 
+} // namespace
+
 double milliseconds(const std::function<void()>& work) {
     const auto start = std::chrono::steady_clock::now();
     work();
@@ -27,12 +29,16 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
-} // namespace
-
 bool Bench::wanted(const std::string& benchmark) const {
     return names_.empty() || std::any_of(names_.begin(), names_.end(), [&](const std::string& name) {
                return benchmark.find(name) != std::string::npos;
            });
+}
+
+bool Bench::asked_for(const std::string& benchmark, const std::string& word) const {
+    return std::any_of(names_.begin(), names_.end(), [&](const std::string& name) {
+        return name.find(word) != std::string::npos && benchmark.find(name) != std::string::npos;
+    });
 }
 
 void Bench::run(const std::string& benchmark, const std::function<void()>& ours, const std::string& peer,
@@ -47,7 +53,11 @@ void Bench::run(const std::string& benchmark, const std::function<void()>& ours,
             total += ours_ms.back() + peer_ms.back();
         }
     });
-    const Result& r = results_.emplace_back(Result{benchmark, peer, median(ours_ms), median(peer_ms)});
+    record({benchmark, peer, median(ours_ms), median(peer_ms)});
+}
+
+void Bench::record(const Result& r) {
+    results_.push_back(r);
     fmt::print(
         "{{\"benchmark\": \"{}\", \"ours_ms\": {:.3f}, \"peer\": \"{}\", \"peer_ms\": {:.3f}, \"ratio\": {:.2f}}}\n",
         r.benchmark, r.ours_ms, r.peer, r.peer_ms, r.peer_ms / r.ours_ms);
@@ -55,10 +65,14 @@ void Bench::run(const std::string& benchmark, const std::function<void()>& ours,
 }
 
 void Bench::agree(const std::string& benchmark, double ours, double theirs, double tolerance) {
-    if (std::abs(ours - theirs) <= tolerance * std::max(std::abs(ours), std::abs(theirs))) return;
+    require(std::abs(ours - theirs) <= tolerance * std::max(std::abs(ours), std::abs(theirs)), benchmark,
+            fmt::format("the two have not drawn the same: ours {}, theirs {}", ours, theirs));
+}
+
+void Bench::require(bool holds, const std::string& benchmark, const std::string& what) {
+    if (holds) return;
     agreed_ = false;
-    fmt::print(stderr, "gnomon-bench: {}: the two have not drawn the same: ours {}, theirs {}\n", benchmark, ours,
-               theirs);
+    fmt::print(stderr, "gnomon-bench: {}: {}\n", benchmark, what);
 }
 
 void Bench::print_table() const {

@@ -1,79 +1,20 @@
 // gnomon compare beside what people otherwise compare images with: whole commands, from files to printed numbers.
 
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <array>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <optional>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "bench/bench.h"
+#include "bench/command.h"
 #include "core/image_file.h"
 
 namespace gnomon_bench {
 namespace {
 
 using namespace gnomon;
-namespace fs = std::filesystem;
 
 constexpr int width = 3840, height = 2160;
-
-struct Output {
-    std::string text; // standard output and standard error
-    double peak_mib;
-};
-
-// Runs a command; an exit code above `allowed` is an error.
-Output run(const std::vector<std::string>& command, int allowed = 0) {
-    std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) throw std::runtime_error("there is no pipe");
-    const pid_t child = fork();
-    if (child == 0) {
-        dup2(ends[1], STDOUT_FILENO), dup2(ends[1], STDERR_FILENO);
-        close(ends[0]), close(ends[1]);
-        std::vector<char*> arguments;
-        for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
-        arguments.push_back(nullptr);
-        execvp(arguments[0], arguments.data());
-        _exit(127);
-    }
-    close(ends[1]);
-    Output output{"", 0};
-    std::array<char, 4096> buffer{};
-    for (ssize_t got; (got = read(ends[0], buffer.data(), buffer.size())) > 0;)
-        output.text.append(buffer.data(), static_cast<size_t>(got));
-    close(ends[0]);
-    int status = 0;
-    rusage usage{};
-    wait4(child, &status, 0, &usage);
-    if (!WIFEXITED(status) || WEXITSTATUS(status) > allowed)
-        throw std::runtime_error(fmt::format("'{}' failed: {}", fmt::join(command, " "), output.text));
-    output.peak_mib = static_cast<double>(usage.ru_maxrss) / 1024.0;
-    return output;
-}
-
-bool is_installed(const std::string& program) {
-    const std::string path = std::getenv("PATH") ? std::getenv("PATH") : "";
-    for (size_t first = 0; first < path.size();) {
-        const size_t end = std::min(path.find(':', first), path.size());
-        if (access((path.substr(first, end - first) + "/" + program).c_str(), X_OK) == 0) return true;
-        first = end + 1;
-    }
-    return false;
-}
-
-// The number behind `words`.
-double number_after(const std::string& text, const std::string& words) {
-    const size_t at = text.find(words);
-    if (at == std::string::npos) throw std::runtime_error(fmt::format("no '{}' in: {}", words, text));
-    return std::strtod(text.c_str() + at + words.size(), nullptr);
-}
 
 // A floor with wavy soft shadows, `widening` times as wide as the truth's, and grain.
 Image<float> shadows(float widening) {
@@ -99,28 +40,21 @@ Image<vec3> colors(const Image<float>& visibility) {
 }
 
 struct Files {
-    fs::path folder = fs::temp_directory_path() / fmt::format("gnomon-bench-{}", getpid());
+    TemporaryFolder folder;
     std::string color_test, color_reference, visibility_test, visibility_reference;
 
     Files() {
-        fs::create_directory(folder);
         const auto write = [&](const char* name, float widening, std::string& color, std::string& visibility) {
             const Image<float> values = shadows(widening);
             ChannelImage picture, channel;
             picture.add_color("", colors(values), false);
             channel.add("V", values);
-            write_exr(color = (folder / fmt::format("{}-color.exr", name)).string(), picture);
-            write_exr(visibility = (folder / fmt::format("{}-visibility.exr", name)).string(), channel);
+            write_exr(color = folder.file(fmt::format("{}-color.exr", name)), picture);
+            write_exr(visibility = folder.file(fmt::format("{}-visibility.exr", name)), channel);
         };
         write("test", 1.3f, color_test, visibility_test);
         write("reference", 1.0f, color_reference, visibility_reference);
     }
-    ~Files() {
-        std::error_code ignored;
-        fs::remove_all(folder, ignored);
-    }
-    Files(const Files&) = delete;
-    Files& operator=(const Files&) = delete;
 };
 
 Output ours(const std::string& test, const std::string& reference, const std::string& metrics) {

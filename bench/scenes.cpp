@@ -108,6 +108,16 @@ std::optional<Scene> shared_scene(const char* name) {
     return scene;
 }
 
+Light rectangle(vec3 position, vec3 target, float side) {
+    Light light;
+    light.type = LightType::Rectangle;
+    light.position = position;
+    light.direction = glm::normalize(target - position);
+    light.tangent = any_tangent(light.direction);
+    light.size = vec2(side);
+    return light;
+}
+
 mat4 to_clip(const Camera& camera, int width, int height) {
     return mat4(projection_matrix(camera, static_cast<double>(width) / height) * view_matrix(camera));
 }

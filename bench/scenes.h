@@ -17,6 +17,9 @@ Scene height_field();
 // A shared scene with a camera and a point light above it; nothing where it is absent.
 std::optional<Scene> shared_scene(const char* name);
 
+// A square light that shines from `position` towards `target`.
+Light rectangle(vec3 position, vec3 target, float side);
+
 mat4 to_clip(const Camera& camera, int width, int height);
 
 } // namespace gnomon_bench

@@ -155,16 +155,6 @@ void bench_scene(Bench& bench, const Scene& scene, ivec2 size) {
     }
 }
 
-Light rectangle(vec3 position, vec3 target, float side) {
-    Light light;
-    light.type = LightType::Rectangle;
-    light.position = position;
-    light.direction = glm::normalize(target - position);
-    light.tangent = any_tangent(light.direction);
-    light.size = vec2(side);
-    return light;
-}
-
 std::optional<Scene> bunny_on_floor() {
     std::optional<Scene> scene = shared_scene("bunny_closed");
     if (!scene) return std::nullopt;
@@ -190,6 +180,7 @@ void bench_truth(Bench& bench) {
     tree.name = "tree";
     tree.lights.front().size = vec2(30.0f);
     bench_scene(bench, tree, {640, 360});
+    bench_cycles(bench);
 }
 
 } // namespace gnomon_bench

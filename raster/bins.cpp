@@ -70,6 +70,12 @@ void Chunk::bin(const TileGrid& grid) {
     for (const Entry& entry : entries_) lists_[begin_[entry.tile + 1]++] = entry.triangle; // … and after this it ends
 }
 
+size_t Chunk::bytes() const {
+    return triangles.capacity * sizeof(SetupTriangle) + triangles.pieces.capacity() * sizeof(ClippedPiece) +
+           begin_.capacity() * sizeof(begin_[0]) + lists_.capacity() * sizeof(lists_[0]) +
+           wide_.capacity() * sizeof(wide_[0]) + entries_.capacity() * sizeof(entries_[0]);
+}
+
 bool Chunk::touches_wide(int x, int y) const {
     return std::any_of(wide_.begin(), wide_.end(),
                        [&](std::uint16_t i) { return tiles_of(triangles.data[i]).contains(x, y); });

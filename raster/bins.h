@@ -4,12 +4,13 @@
 // area: small ones have at most 4 entries of 2 bytes each, and of 8 more while they are sorted, large ones at most 64,
 // and 262144 a chunk. With the 88 bytes of a set-up triangle a chunk of 16384, the largest, takes at most 7 MB, vectors
 // doubling included, and a batch of 64 of them at most 448 MB; targets of 1024² pixels and fewer have batches of a
-// quarter of that or less.
+// quarter of that or less. Each triangle that is clipped may count up to seven times.
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "raster/counters.h"
 #include "raster/setup_kernels.h"
 
 namespace gnomon::detail {
@@ -32,11 +33,16 @@ struct TileGrid {
 // One task's set-up triangles, and for each tile the list of those that may touch it, in order of submission.
 class Chunk {
 public:
+    static constexpr size_t most_triangles = size_t{1} << 16; // as entries name them
+
     SetupTriangles triangles;
 
+    // Where clipping has made too many of them, they cannot be sorted, and a chunk must begin with fewer.
+    bool fits() const { return triangles.count <= most_triangles; }
     void bin(const TileGrid& grid);
     // Triangles for a tile of the grid; where they must be merged first, they are appended to `merged`.
     std::span<const std::uint16_t> list(const TileGrid& grid, size_t tile, std::vector<std::uint16_t>& merged) const;
+    size_t bytes() const; // of memory that it holds, used or not
     size_t most_merged() const { return wide_.empty() ? 0 : triangles.count; }
     // visit(tile index) for every tile with a list that is not empty.
     template <class Visit> void for_each_tile(const TileGrid& grid, const Visit& visit) const {
@@ -65,6 +71,9 @@ private:
     std::vector<std::uint16_t> wide_; // triangles over more tiles than are listed
     std::vector<Entry> entries_;
 };
+
+// Of all chunks that draws into the log have left to the next.
+size_t bin_bytes(const PassLog& log);
 
 // A tile and the chunks, as bits, that have triangles for it; at most 64 chunks.
 struct TileWork {

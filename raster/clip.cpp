@@ -70,6 +70,7 @@ ClippedPolygon clip(const SetupState& state, const std::array<vec4, 3>& triangle
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !std::isfinite(p.w)) return polygon;
     std::array<size_t, 3> order = {0, 1, 2};
     std::sort(order.begin(), order.end(), [&](size_t i, size_t j) { return precedes(triangle[i], triangle[j]); });
+    polygon.order = order;
     polygon.mirrored = (order[1] - order[0] + 3) % 3 != 1;
     polygon.count = 3;
     for (size_t i = 0; i < 3; ++i) {

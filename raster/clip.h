@@ -2,6 +2,7 @@
 // Clipping in homogeneous space, for the few triangles that need it.
 
 #include <array>
+#include <cstddef>
 
 #include "core/math.h"
 
@@ -18,6 +19,7 @@ struct ClipVertex {
 struct ClippedPolygon {
     int count = 0;                     // 0 where nothing is left
     bool mirrored = false;             // the corners run against the order of submission
+    std::array<std::size_t, 3> order;  // of the submitted corners, by their positions
     std::array<ClipVertex, 9> corners; // 3, and at most one more for each of 6 planes
 };
 

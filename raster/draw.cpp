@@ -24,6 +24,7 @@ constexpr size_t vertex_grain = 2048;
 constexpr size_t batch_chunks = 64; // set-up tasks of a batch
 constexpr size_t least_chunk_triangles = 2048, most_chunk_triangles = 16384;
 constexpr size_t batch_triangles_per_tile = 1024;
+static_assert(least_chunk_triangles * most_clipped_pieces <= Chunk::most_triangles);
 constexpr size_t most_vertices = size_t{1} << 29;
 
 Rectangle intersect(const Rectangle& a, const Rectangle& b) {
@@ -184,6 +185,13 @@ void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast,
 
 } // namespace
 
+size_t bin_bytes(const PassLog& log) {
+    size_t bytes = 0;
+    if (log.scratch)
+        for (const Chunk& chunk : log.scratch->chunks) bytes += chunk.bytes();
+    return bytes;
+}
+
 void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Targets& targets) {
     const SetupState setup = setup_state(draw, state, targets);
     PassCounters& counters = pass.counters();
@@ -219,25 +227,29 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     }
     std::vector<Chunk>& chunks = scratch->chunks;
     if (chunks.size() < batch_chunks) chunks.resize(batch_chunks);
-    const size_t chunk_triangles = std::clamp(batch_triangles_per_tile * drawable.count() / batch_chunks,
-                                              least_chunk_triangles, most_chunk_triangles);
-    const size_t batch_triangles = batch_chunks * chunk_triangles;
-    for (size_t first = 0; first < triangles.size() || loading; first += batch_triangles) {
-        const size_t count = std::min(batch_triangles, triangles.size() - first);
+    size_t chunk_triangles = std::clamp(batch_triangles_per_tile * drawable.count() / batch_chunks,
+                                        least_chunk_triangles, most_chunk_triangles);
+    for (size_t first = 0; first < triangles.size() || loading;) {
+        const size_t count = std::min(batch_chunks * chunk_triangles, triangles.size() - first);
+        const std::span<Chunk> batch = std::span(chunks).first(chunk_count(count, chunk_triangles));
         const TileGrid& grid = loading ? whole : drawable;
         parallel_for(count, chunk_triangles, [&](size_t begin, size_t end) {
-            Chunk& chunk = chunks[begin / chunk_triangles];
+            Chunk& chunk = batch[begin / chunk_triangles];
             chunk.triangles.clear();
             set_up_triangles(setup, positions, window, triangles.subspan(first + begin, end - begin),
                              static_cast<std::uint32_t>(first + begin), chunk.triangles);
-            chunk.bin(grid);
+            if (chunk.fits()) chunk.bin(grid);
         });
-        const size_t used = chunk_count(count, chunk_triangles);
-        draw_batch(tile_draw, fast, loading, grid, std::span(chunks).first(used), counters);
-        for (size_t c = 0; c < used; ++c) {
-            counters.clipped += chunks[c].triangles.counts.clipped;
-            counters.culled += chunks[c].triangles.counts.culled;
+        if (!std::all_of(batch.begin(), batch.end(), [](const Chunk& chunk) { return chunk.fits(); })) {
+            chunk_triangles = least_chunk_triangles; // again, in chunks that fit even if all are clipped
+            continue;
         }
+        draw_batch(tile_draw, fast, loading, grid, batch, counters);
+        for (const Chunk& chunk : batch) {
+            counters.clipped += chunk.triangles.counts.clipped;
+            counters.culled += chunk.triangles.counts.culled;
+        }
+        first += count;
         loading = false;
     }
 }

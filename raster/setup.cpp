@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -51,15 +52,59 @@ AttributePlanes planes_of(const SetupTriangle& t, const std::array<dvec3, 3>& ba
     return planes;
 }
 
+// Where a survivor gets its depth from if it is a piece: over the window, from the origin.
+struct PieceDepth {
+    size_t survivor;
+    Plane depth;
+};
+
+// A triangle that is clipped, as submitted.
+struct ClippedTriangle {
+    std::array<vec4, 3> clip;
+    std::array<WindowVertex, 3> window;
+};
+
+// Its depth over the window. In homogeneous pixels (x·w, y·w, w) a corner that needs no clipping is where it was
+// snapped, so that neighbours meet there, and one that does is exact, wherever it may lie: what the cuts round does not
+// matter. [Olano and Greer 1997, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 3] Nothing where the
+// triangle is seen from its edge. `order` of the corners makes the sums those of any submission order.
+std::optional<Plane> clipped_depth(const SetupState& state, const ClippedTriangle& triangle,
+                                   const std::array<size_t, 3>& order) {
+    const Rectangle& v = state.viewport;
+    const dvec2 half(0.5 * v.width, 0.5 * v.height);
+    std::array<dvec3, 3> at;
+    std::array<double, 3> depth;
+    for (size_t i = 0; i < 3; ++i) {
+        const dvec4 p(triangle.clip[order[i]]);
+        const WindowVertex& window = triangle.window[order[i]];
+        if (window.flags & needs_clip) {
+            at[i] = dvec3((dvec2(v.x, v.y) + half) * p.w + dvec2(p) * half, p.w);
+            depth[i] = state.clip_depth == ClipDepth::ZeroToOne ? p.z : 0.5 * (p.z + p.w);
+        } else {
+            at[i] = dvec3(window.x / subpixels, window.y / subpixels, 1.0) * p.w;
+            depth[i] = static_cast<double>(window.z) * p.w;
+        }
+    }
+    const dvec3 n0 = glm::cross(at[1], at[2]), n1 = glm::cross(at[2], at[0]), n2 = glm::cross(at[0], at[1]);
+    const dvec3 plane = (depth[0] * n0 + depth[1] * n1 + depth[2] * n2) / glm::dot(at[0], n0);
+    if (!std::isfinite(plane.x) || !std::isfinite(plane.y) || !std::isfinite(plane.z)) return std::nullopt;
+    return Plane{plane.z, plane.x, plane.y};
+}
+
+void set_depth(SetupTriangle& t, const Plane& depth) {
+    t.depth = static_cast<float>((depth.value + depth.dy * t.anchor_y()) + depth.dx * t.anchor_x());
+    t.depth_dx = depth.dx, t.depth_dy = depth.dy;
+}
+
 // Clips one triangle and appends the pieces that are not culled, at most one for each corner of the polygon.
-void clip_triangle(const SetupState& state, const std::array<vec4, 3>& corners, std::uint32_t primitive,
-                   Survivors& survivors, SetupTriangles& out) {
+void clip_triangle(const SetupState& state, const ClippedTriangle& triangle, std::uint32_t primitive,
+                   Survivors& survivors, std::vector<PieceDepth>& depths, SetupTriangles& out) {
     ++out.counts.clipped;
-    const ClippedPolygon polygon = clip(state, corners);
+    const ClippedPolygon polygon = clip(state, triangle.clip);
     const auto corner = [&](size_t i) -> const ClipVertex& { return polygon.corners[i]; };
     std::array<vec4, 9> positions;
     std::array<WindowVertex, 9> window;
-    std::array<uvec3, 7> fan;
+    std::array<uvec3, most_clipped_pieces> fan;
     size_t pieces = 0;
     for (size_t i = 0; i < static_cast<size_t>(polygon.count); ++i) positions[i] = corner(i).position;
     detail::setup_kernels().to_window(state, positions.data(), static_cast<size_t>(polygon.count), window.data());
@@ -70,7 +115,10 @@ void clip_triangle(const SetupState& state, const std::array<vec4, 3>& corners, 
     const size_t before = survivors.count, empty_before = survivors.empty;
     detail::setup_kernels().cull(state, window.data(), fan.data(), pieces, 0, polygon.mirrored, survivors);
     if (survivors.count == before && survivors.empty == empty_before) ++out.counts.culled;
+    if (survivors.count == before) return;
+    const std::optional<Plane> depth = clipped_depth(state, triangle, polygon.order);
     for (size_t k = before; k < survivors.count; ++k) {
+        if (depth) depths.push_back({k, *depth});
         const uvec3 piece = fan[survivors.primitive[k]];
         survivors.primitive[k] = primitive;
         survivors.piece[k] = static_cast<std::uint32_t>(out.pieces.size());
@@ -163,18 +211,21 @@ SetupTriangle* SetupTriangles::grow(size_t more) {
 
 void set_up_triangles(const SetupState& state, const vec4* positions, const WindowVertex* window,
                       std::span<const uvec3> triangles, std::uint32_t first, SetupTriangles& out) {
-    constexpr size_t step = Survivors::capacity / 2, most_pieces = 7;
+    constexpr size_t step = Survivors::capacity / 2;
     const detail::SetupKernels& kernels = detail::setup_kernels();
     Survivors survivors;
+    std::vector<PieceDepth> depths;
     const bool has_offset = state.polygon_offset.factor != 0 || state.polygon_offset.units != 0;
     const auto flush = [&] {
         SetupTriangle* added = out.grow(survivors.count);
         kernels.finish(state, survivors, added);
+        for (const PieceDepth& piece : depths) set_depth(added[piece.survivor], piece.depth);
+        depths.clear();
         for (size_t k = 0; has_offset && k < survivors.count; ++k) added[k].depth_offset = offset_of(state, added[k]);
         survivors.count = 0;
     };
     for (size_t i = 0; i < triangles.size();) {
-        if (survivors.count + step + most_pieces > Survivors::capacity) flush();
+        if (survivors.count + step + most_clipped_pieces > Survivors::capacity) flush();
         const size_t count = std::min(step, triangles.size() - i), before = survivors.count + survivors.empty;
         const size_t seen =
             kernels.cull(state, window, &triangles[i], count, first + static_cast<std::uint32_t>(i), false, survivors);
@@ -182,8 +233,9 @@ void set_up_triangles(const SetupState& state, const vec4* positions, const Wind
         i += seen;
         if (seen == count) continue;
         const uvec3 t = triangles[i];
-        clip_triangle(state, {positions[t.x], positions[t.y], positions[t.z]}, first + static_cast<std::uint32_t>(i),
-                      survivors, out);
+        clip_triangle(state,
+                      {{positions[t.x], positions[t.y], positions[t.z]}, {window[t.x], window[t.y], window[t.z]}},
+                      first + static_cast<std::uint32_t>(i), survivors, depths, out);
         ++i;
     }
     flush();

@@ -11,7 +11,8 @@
 //  4. Edge functions are exact integers; a pixel centre is inside where all three are ≥ 0 after the fill rule's −1 on
 //     exclusive edges (left and bottom edges include their points).
 //  5. Every plane f(x, y) is anchored at the vertex that is smallest by (x, y) and evaluated in double as
-//     (f0 + fy·(y − y0)) + fx·(x − x0).
+//     (f0 + fy·(y − y0)) + fx·(x − x0). The depth of a triangle that is clipped is the plane through its own corners,
+//     snapped where they need no clipping and exact where they do, and not through the cuts.
 
 #include <cstdint>
 #include <memory>
@@ -109,6 +110,8 @@ SetupTriangle seen_by_sample(SetupTriangle triangle, glm::ivec2 position);
 struct SetupCounts {
     std::int64_t clipped = 0, culled = 0;
 };
+
+inline constexpr std::size_t most_clipped_pieces = 7; // of one triangle
 
 // The parts of a draw that set-up depends on.
 struct SetupState {

@@ -144,7 +144,8 @@ public:
 
     Occlusion& at(int x, int y) {
         const int column = (x - left_) / block_side, row = (y - bottom_) / block_side;
-        std::optional<Occlusion>& block = blocks_[static_cast<size_t>(row * per_side + column)];
+        const int index = row * per_side + column;
+        std::optional<Occlusion>& block = blocks_[static_cast<size_t>(index)];
         if (!block) {
             const int left = left_ + column * block_side, bottom = bottom_ + row * block_side;
             std::vector<Receiver> receivers;

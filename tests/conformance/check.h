@@ -37,9 +37,11 @@ bool check_meshes(const Options& options);
 bool check_clipping(const Options& options);
 bool check_depth(const Options& options);
 bool check_volumes(const Options& options);
+bool check_exact_volumes(const Options& options);
 bool check_infinite_volumes(const Options& options);
 bool check_states(const Options& options);
 bool check_blending(const Options& options);
+bool check_lines(const Options& options);
 bool check_multisampling(const Options& options);
 
 struct Random {

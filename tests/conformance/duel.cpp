@@ -62,23 +62,8 @@ void Duel::clear(float depth, std::uint32_t stencil, vec4 color) {
 }
 
 void Duel::draw(const Batch& batch, const PipelineState& state) {
-    if (log_.passes.size() > 100) log_.passes.clear();
+    draw_ours(batch, state);
     const bool ids = arena_.color == Format::R32UI;
-    const auto vertex = [&](std::uint32_t i) { return batch.positions[i]; };
-    const Geometry geometry = {static_cast<std::uint32_t>(batch.positions.size()), batch.triangles};
-    {
-        Pass pass(log_, "duel");
-        gnomon::draw(
-            pass, geometry, state, vertex,
-            [&](const Fragment<NoVaryings>& in, FragmentOutput& out) {
-                if (ids)
-                    out.color[0].x = glm::uintBitsToFloat(in.primitive);
-                else if (!batch.colors.empty())
-                    out.color[0] = batch.colors[in.primitive];
-            },
-            targets());
-    }
-
     std::vector<vec4> colors; // flat: OpenGL takes the last vertex's
     if (!ids) {
         colors.resize(batch.positions.size());
@@ -89,6 +74,32 @@ void Duel::draw(const Batch& batch, const PipelineState& state) {
     gnomon_gl::set_state(state, arena_.width, arena_.height);
     (ids ? id_program_ : color_program_).use();
     mesh.draw();
+}
+
+void Duel::draw_lines(std::span<const vec4> ends, const Batch& quads, const PipelineState& state) {
+    draw_ours(quads, state);
+    const gnomon_gl::Mesh mesh(ends, quads.triangles);
+    framebuffer_.bind();
+    gnomon_gl::set_state(state, arena_.width, arena_.height);
+    id_program_.use();
+    mesh.draw_lines();
+}
+
+void Duel::draw_ours(const Batch& batch, const PipelineState& state) {
+    if (log_.passes.size() > 100) log_.passes.clear();
+    const bool ids = arena_.color == Format::R32UI;
+    const auto vertex = [&](std::uint32_t i) { return batch.positions[i]; };
+    const Geometry geometry = {static_cast<std::uint32_t>(batch.positions.size()), batch.triangles};
+    Pass pass(log_, "duel");
+    gnomon::draw(
+        pass, geometry, state, vertex,
+        [&](const Fragment<NoVaryings>& in, FragmentOutput& out) {
+            if (ids)
+                out.color[0].x = glm::uintBitsToFloat(in.primitive);
+            else if (!batch.colors.empty())
+                out.color[0] = batch.colors[in.primitive];
+        },
+        targets());
 }
 
 void Duel::draw_transformed(std::span<const vec3> positions, std::span<const uvec3> triangles, const mat4& to_clip,

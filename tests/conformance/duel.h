@@ -49,6 +49,9 @@ public:
     void clear(float depth = 1.0f, std::uint32_t stencil = 0, vec4 color = vec4(0.0f));
     void draw(const Batch& batch, const PipelineState& state);
 
+    // Lines between every two of `ends` there, the triangles that stand for them here.
+    void draw_lines(std::span<const vec4> ends, const Batch& quads, const PipelineState& state);
+
     // World-space vertices under a matrix: each side multiplies for itself, in float32, in the order of transform().
     void draw_transformed(std::span<const vec3> positions, std::span<const uvec3> triangles, const mat4& to_clip,
                           const PipelineState& state);
@@ -58,6 +61,7 @@ public:
     const PassCounters& counters() const { return log_.passes.back(); } // of the last draw
 
 private:
+    void draw_ours(const Batch& batch, const PipelineState& state);
     Targets targets();
     bool has_stencil() const { return arena_.depth != Format::D16; }
 

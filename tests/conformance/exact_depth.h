@@ -13,22 +13,33 @@ struct SnappedTriangle {
     std::array<double, 3> z;    // window depth, a float
 };
 
+struct SnappedVertex {
+    double x, y, z;
+};
+
 // Clip space to window as the contract has it: float32, each operation rounded.
-inline SnappedTriangle snap(const Batch& batch, std::uint32_t triangle, const Rectangle& viewport) {
-    SnappedTriangle t{};
+inline SnappedVertex snap(const vec4& p, const Rectangle& viewport) {
     const float half_width = 0.5f * static_cast<float>(viewport.width);
     const float half_height = 0.5f * static_cast<float>(viewport.height);
-    for (glm::length_t i = 0; i < 3; ++i) {
-        const vec4& p = batch.positions[batch.triangles[triangle][i]];
-        const float oow = 1.0f / p.w;
-        const float x = p.x * oow * half_width + (static_cast<float>(viewport.x) + half_width);
-        const float y = p.y * oow * half_height + (static_cast<float>(viewport.y) + half_height);
-        const auto k = static_cast<size_t>(i);
-        t.x[k] = std::nearbyint(static_cast<double>(x) * 256.0) / 256.0;
-        t.y[k] = std::nearbyint(static_cast<double>(y) * 256.0) / 256.0;
-        t.z[k] = p.z * oow * 0.5f + 0.5f;
+    const float oow = 1.0f / p.w;
+    const float x = p.x * oow * half_width + (static_cast<float>(viewport.x) + half_width);
+    const float y = p.y * oow * half_height + (static_cast<float>(viewport.y) + half_height);
+    const auto fixed = [](float pixels) { return std::nearbyint(static_cast<double>(pixels) * 256.0) / 256.0; };
+    return {fixed(x), fixed(y), static_cast<double>(p.z * oow * 0.5f + 0.5f)};
+}
+
+inline SnappedTriangle snap(const std::array<vec4, 3>& corners, const Rectangle& viewport) {
+    SnappedTriangle t{};
+    for (size_t i = 0; i < 3; ++i) {
+        const SnappedVertex v = snap(corners[i], viewport);
+        t.x[i] = v.x, t.y[i] = v.y, t.z[i] = v.z;
     }
     return t;
+}
+
+inline SnappedTriangle snap(const Batch& batch, std::uint32_t triangle, const Rectangle& viewport) {
+    const uvec3 t = batch.triangles[triangle];
+    return snap({batch.positions[t.x], batch.positions[t.y], batch.positions[t.z]}, viewport);
 }
 
 struct ExactPlane {

@@ -29,9 +29,11 @@ constexpr Check checks[] = {
     {"clipping", check_clipping, "triangles across the near plane and far off screen"},
     {"depth", check_depth, "distance of depth from the exact plane, ours and theirs"},
     {"volumes", check_volumes, "stencil volumes over interpolated depth, nothing clipped"},
-    {"infinite-volumes", check_infinite_volumes, "the same with volumes that reach to infinity"},
+    {"exact-volumes", check_exact_volumes, "volumes that reach to infinity: wherever the two differ, ours is right"},
+    {"infinite-volumes", check_infinite_volumes, "and the two differ at one pixel in 10^4"},
     {"states", check_states, "depth functions, clamp, polygon offset, scissor, viewport, culling, masks"},
     {"blending", check_blending, "factors and operations on normalised, half and float targets"},
+    {"lines", check_lines, "lines as quads: the pixels of OpenGL's lines but for those at the ends"},
     {"multisampling", check_multisampling, "4 and 8 samples: the same triangle in every sample, and their mean"},
 };
 

@@ -60,6 +60,33 @@ Difference scissor_viewport_culling(const Options& options, Random& random) {
     return d;
 }
 
+// Over depths that draws have left, for bounds that some of them equal.
+Difference depth_bounds(const Options& options, Random& random) {
+    Difference d;
+    for (const Format format : {Format::D16, Format::D24, Format::D32F}) {
+        Duel duel({.width = side, .height = side, .depth = format});
+        for (int i = 0; i < options.repeat(20); ++i) {
+            duel.clear(0.5f);
+            for (int layer = 0; layer < 3; ++layer) {
+                Batch batch = random_batch(512, {.width = side, .height = side}, random);
+                flatten(batch, random);
+                PipelineState state = counting_state();
+                state.viewport = wide_viewport(side, side);
+                state.depth = {.test = random.pick<Compare>(8), .write = random.chance(2)};
+                if (layer == 0) state.depth = {.test = Compare::Always, .write = true};
+                if (layer > 0) {
+                    const auto low = static_cast<float>(random.between(0, 8)),
+                               high = static_cast<float>(random.between(0, 8));
+                    state.depth.bounds = DepthState::Bounds{0.125f * std::min(low, high), 0.125f * std::max(low, high)};
+                }
+                duel.draw(batch, state);
+            }
+            compare(duel, d);
+        }
+    }
+    return d;
+}
+
 Difference depth_functions(const Options& options, Random& random) {
     Difference d;
     for (const Format format : {Format::D16, Format::D24, Format::D32F}) {
@@ -169,6 +196,10 @@ bool check_states(const Options& options) {
     Random random(options.seed + 6);
     require_identical(verdict, "scissor, viewport, culling", scissor_viewport_culling(options, random));
     require_identical(verdict, "depth functions, both clip ranges", depth_functions(options, random));
+    if (gnomon_gl::has_depth_bounds())
+        require_identical(verdict, "depth bounds", depth_bounds(options, random));
+    else
+        verdict.skip("depth bounds: the other side has no GL_EXT_depth_bounds_test");
     for (const Format format : {Format::D24, Format::D32F}) {
         require_nearer(verdict, fmt::format("{} depth clamp", info(format).name), depth_clamp(options, random, format));
         require_nearer(verdict, fmt::format("{} polygon offset", info(format).name),

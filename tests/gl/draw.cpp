@@ -1,5 +1,6 @@
 #include "tests/gl/draw.h"
 
+#include <cstring>
 #include <stdexcept>
 
 #define EGL_NO_X11
@@ -11,6 +12,8 @@ namespace gnomon_gl {
 namespace {
 
 using namespace gnomon;
+
+constexpr GLenum GL_DEPTH_BOUNDS_TEST_EXT = 0x8890; // of no core header
 
 GLuint compile(GLenum stage, const std::string& source) {
     const GLuint shader = glCreateShader(stage);
@@ -66,7 +69,27 @@ void set_polygon_offset(const PolygonOffset& offset) {
     throw std::runtime_error("this OpenGL has no clamp of polygon offset");
 }
 
+void set_depth_bounds(const std::optional<DepthState::Bounds>& bounds) {
+    if (!has_depth_bounds()) {
+        if (bounds) throw std::runtime_error("this OpenGL has no depth bounds test");
+        return;
+    }
+    enable(GL_DEPTH_BOUNDS_TEST_EXT, bounds.has_value());
+    if (!bounds) return;
+    using DepthBounds = void (*)(GLdouble minimum, GLdouble maximum);
+    reinterpret_cast<DepthBounds>(eglGetProcAddress("glDepthBoundsEXT"))(bounds->minimum, bounds->maximum);
+}
+
 } // namespace
+
+bool has_depth_bounds() {
+    GLint count = 0;
+    glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLuint i = 0; i < static_cast<GLuint>(count); ++i)
+        if (std::strcmp(reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, i)), "GL_EXT_depth_bounds_test") == 0)
+            return true;
+    return false;
+}
 
 Program::Program(const std::string& vertex_source, const std::string& fragment_source) {
     program_ = glCreateProgram();
@@ -106,6 +129,7 @@ Mesh::~Mesh() {
 void Mesh::upload(int components, std::span<const float> positions, std::span<const float> second,
                   std::span<const uvec3> triangles) {
     index_count_ = static_cast<int>(3 * triangles.size());
+    vertex_count_ = static_cast<int>(positions.size()) / components;
     glCreateVertexArrays(1, &vertex_array_);
     glCreateBuffers(3, buffers_);
     glNamedBufferStorage(buffers_[2], static_cast<GLsizeiptr>(triangles.size_bytes()), triangles.data(), 0);
@@ -126,8 +150,13 @@ void Mesh::draw() const {
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }
 
+void Mesh::draw_lines() const {
+    glBindVertexArray(vertex_array_);
+    glDrawArrays(GL_LINES, 0, vertex_count_);
+}
+
 void set_state(const PipelineState& state, int width, int height) {
-    if (state.depth.bounds) throw std::runtime_error("core OpenGL has no depth bounds test");
+    set_depth_bounds(state.depth.bounds);
     const Rectangle viewport = state.viewport.value_or(Rectangle{0, 0, width, height});
     glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
     enable(GL_SCISSOR_TEST, state.scissor.has_value());

@@ -38,14 +38,18 @@ public:
     Mesh(const Mesh&) = delete;
     Mesh& operator=(const Mesh&) = delete;
 
-    void draw() const; // all triangles, with the program in use
+    void draw() const;       // all triangles, with the program in use
+    void draw_lines() const; // a line between every two vertices instead
 
 private:
     void upload(int components, std::span<const float> positions, std::span<const float> second,
                 std::span<const gnomon::uvec3> triangles);
     std::uint32_t vertex_array_ = 0, buffers_[3] = {};
-    int index_count_ = 0;
+    int index_count_ = 0, vertex_count_ = 0;
 };
+
+// GL_EXT_depth_bounds_test.
+bool has_depth_bounds();
 
 // Viewport, scissor, depth, stencil, culling, polygon offset, blending and masks for a target of this size. Depth and
 // stencil tests are on wherever the state has an effect. Throws std::runtime_error for what this OpenGL lacks.
