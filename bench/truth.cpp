@@ -159,7 +159,7 @@ std::optional<Scene> bunny_on_floor() {
     std::optional<Scene> scene = shared_scene("bunny_closed");
     if (!scene) return std::nullopt;
     add_object(*scene, "floor", plane_mesh(vec2(8.0f), 1, 1), dmat4(1.0), 0);
-    scene->lights = {rectangle({2.5f, 4, 1.5f}, {0, 0.8f, 0}, 2.0f)};
+    scene->lights = {rectangle({2.5f, 4, 1.5f}, {0, 0.8f, 0}, 3.0f)};
     scene->cameras = {look_at({0.2f, 3.4f, 3.6f}, {-0.3f, 0.5f, -0.2f}, 0.7853982f)};
     fit_planes(scene->cameras.front(), scene->bounds);
     return scene;
@@ -173,7 +173,7 @@ void bench_truth(Bench& bench) {
     if (const auto bunny = bunny_on_floor()) bench_scene(bench, *bunny, {1280, 720});
     if (auto sponza = shared_scene("sponza")) {
         sponza->lights = {rectangle(sponza->bounds.center() + vec3(0, 0.6f, 0) * sponza->bounds.extent(),
-                                    sponza->bounds.center(), 0.1f * sponza->bounds.diagonal())};
+                                    sponza->bounds.center(), 0.11f * sponza->bounds.diagonal())};
         bench_scene(bench, *sponza, {1280, 720});
     }
     Scene tree = load_scene("builtin:tree");
