@@ -100,9 +100,10 @@ HWY_NOINLINE std::uint64_t test_block(const ListState& state, DepthTile& tile, c
             if (!bits) continue;
             Lanes in[int_parts];
             for (std::size_t p = 0; p < int_parts; ++p) in[p] = mask_of(i, bits >> (p * int_lanes));
-            passed |= test_patch<with_ids, usual, false>(state, tile, depth, columns[right], rows, block + at, in, all,
-                                                         state.write, id)
-                      << at;
+            Lanes pass[int_parts];
+            test_patch<with_ids, usual, false, true>(state, tile, depth, columns[right], rows, block + at, in, all,
+                                                     state.write, id, pass);
+            passed |= patch_bits(pass) << at;
         }
     }
     return passed;

@@ -168,16 +168,16 @@ HWY_INLINE Lanes passes(Compare test, Int fresh, Int stored) {
 }
 
 // Tests a patch, of which `in` are the pixels that count, or with `whole` all, and with `write` stores what passes,
-// depth and id; the pixels that pass. The usual test, known when compiling, is Less.
-template <bool with_ids, bool usual, bool whole, KeyKind kind>
-HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth,
-                                    const typename DepthKeys<kind>::Columns& columns,
-                                    const typename DepthKeys<kind>::Rows& rows, std::size_t at, const Lanes* in,
-                                    bool all, bool write, std::uint32_t id) {
+// depth and id; `passed` are the pixels that pass. The usual test, known when compiling, is Less. What is not `clamped`
+// must not need it, see SetupTriangle::steady.
+template <bool with_ids, bool usual, bool whole, bool clamped, KeyKind kind>
+HWY_INLINE void test_patch(const ListState& state, DepthTile& tile, const DepthKeys<kind>& depth,
+                           const typename DepthKeys<kind>::Columns& columns, const typename DepthKeys<kind>::Rows& rows,
+                           std::size_t at, const Lanes* in, bool all, bool write, std::uint32_t id, Lanes* passed) {
     const Ints i;
-    std::uint64_t passed = 0;
     for (std::size_t p = 0; p < int_parts; ++p, at += int_lanes) {
-        const Int fresh = depth.at(columns, rows, p), stored = hn::Load(i, tile.depth + at);
+        const Int fresh = clamped ? depth.at(columns, rows, p) : depth.unclamped(columns, rows, p);
+        const Int stored = hn::Load(i, tile.depth + at);
         Lanes pass;
         Int kept;
         if constexpr (usual) {
@@ -196,9 +196,15 @@ HWY_INLINE std::uint64_t test_patch(const ListState& state, DepthTile& tile, con
             auto* ids = reinterpret_cast<std::int32_t*>(tile.id) + at;
             hn::Store(hn::IfThenElse(pass, hn::Set(i, static_cast<std::int32_t>(id)), hn::Load(i, ids)), i, ids);
         }
-        passed |= bits_of(i, pass) << (p * int_lanes);
+        passed[p] = pass;
     }
-    return passed;
+}
+
+// All lanes of a patch as bits.
+HWY_INLINE std::uint64_t patch_bits(const Lanes* lanes) {
+    std::uint64_t bits = 0;
+    for (std::size_t p = 0; p < int_parts; ++p) bits |= bits_of(Ints(), lanes[p]) << (p * int_lanes);
+    return bits;
 }
 
 // The part of a triangle's box inside the tile, relative to it.

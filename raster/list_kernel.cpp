@@ -20,12 +20,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 // One triangle, by blocks.
 template <ListMode mode, KeyKind kind, bool usual>
 HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
-                              std::uint32_t id, TileCounts& counts) {
+                              const TileEdges& tile_edge, std::uint32_t id, TileCounts& counts) {
     constexpr bool with_ids = mode == ListMode::Ids, counting = is_counting(mode);
-    const TileEdges tile_edge = tile_edges(t, state.conservative, tile.x, tile.y);
-    if (tile_edge.empty) return;
-    if constexpr (!counting)
-        if (tile_edge.crossed) return draw_large<mode, kind, usual>(state, tile, t, box, tile_edge, id, counts);
     const BlockEdges edges(tile_edge);
     const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int c0 = box.x0 >> 3, c1 = box.x1 >> 3, r0 = box.y0 >> 3, r1 = box.y1 >> 3;
@@ -95,25 +91,44 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
     }
 }
 
+// One triangle, by what suits its size.
+template <ListMode mode, KeyKind kind, bool usual, bool clamped>
+HWY_INLINE void draw_triangle(const ListState& state, DepthTile& tile, const SetupTriangle& t, std::uint32_t id,
+                              ListCounts& counts) {
+    const LocalBox box = local_box(t, tile);
+    if (t.extent != Extent::Large) {
+        if ((box.x1 >> 2) - (box.x0 >> 2) > 2)
+            draw_medium<mode, kind, usual, clamped>(state, tile, t, box, id, counts);
+        else
+            draw_small<mode, kind, usual, clamped>(state, tile, t, box, id, counts);
+        return;
+    }
+    const TileEdges edges = tile_edges(t, state.conservative, tile.x, tile.y);
+    if (edges.empty) return;
+    if constexpr (!is_counting(mode))
+        if (edges.crossed) return draw_large<mode, kind, usual, clamped>(state, tile, t, box, edges, id, counts);
+    draw_blocks<mode, kind, usual>(state, tile, t, box, edges, id, counts);
+}
+
 template <ListMode mode, KeyKind kind, bool usual>
 void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
               std::size_t count, std::uint32_t first_id, TileCounts& counts) {
     constexpr std::size_t ahead = 8; // triangles on their way from memory
+    constexpr bool clamped_always = kind != KeyKind::Float || !usual || is_counting(mode);
+    ListCounts drawn;
     for (std::size_t k = 0; k < count; ++k) {
         if (k + ahead < count) {
             hwy::Prefetch(&triangles[list[k + ahead]]);
             hwy::Prefetch(&triangles[list[k + ahead]].depth_dx);
         }
         const SetupTriangle& t = triangles[list[k]];
-        const LocalBox box = local_box(t, tile);
         const std::uint32_t id = first_id + list[k];
-        if (t.extent != Extent::Large && (box.x1 >> 2) - (box.x0 >> 2) > 2)
-            draw_medium<mode, kind, usual>(state, tile, t, box, id, counts);
-        else if (t.extent != Extent::Large)
-            draw_small<mode, kind, usual>(state, tile, t, box, id, counts);
+        if (t.steady)
+            draw_triangle<mode, kind, usual, clamped_always>(state, tile, t, id, drawn);
         else
-            draw_blocks<mode, kind, usual>(state, tile, t, box, id, counts);
+            draw_triangle<mode, kind, usual, true>(state, tile, t, id, drawn);
     }
+    drawn.add_to(counts);
 }
 
 template <ListMode mode, KeyKind kind> DrawList for_test(const ListState& state) {

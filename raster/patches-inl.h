@@ -108,32 +108,55 @@ template <ListMode mode, bool usual> HWY_INLINE bool writes(const ListState& sta
     return usual ? !is_counting(mode) : state.write;
 }
 
+// Of a list's triangles. Patch by patch, pixels are counted in lanes of their own.
+struct ListCounts : TileCounts {
+    alignas(64) std::int32_t covered_lanes[patch_pixels] = {}, passed_lanes[patch_pixels] = {};
+
+    void add_to(TileCounts& counts) const {
+        counts.covered += covered, counts.passed += passed, counts.counted += counted;
+        for (const std::int32_t lane : covered_lanes) counts.covered += lane;
+        for (const std::int32_t lane : passed_lanes) counts.passed += lane;
+    }
+};
+
 // What a triangle did in a tile.
 struct DrawnPixels {
-    std::uint64_t covered = 0, passed = 0;
+    Int covered[int_parts], passed[int_parts];
 
+    HWY_INLINE DrawnPixels() {
+        for (std::size_t p = 0; p < int_parts; ++p) covered[p] = passed[p] = hn::Zero(Ints());
+    }
+    static HWY_INLINE Int counted(Int count, Lanes lanes) {
+        return hn::IfThenElse(lanes, hn::Add(count, hn::Set(Ints(), 1)), count);
+    }
     template <ListMode mode, bool usual>
-    HWY_INLINE void add_to(TileCounts& counts, const ListState& state, DepthTile& tile, const LocalBox& box) const {
-        counts.covered += static_cast<std::int64_t>(covered);
-        counts.passed += static_cast<std::int64_t>(passed);
-        if (writes<mode, usual>(state) && passed) tile.unknown |= blocks_of(box);
+    HWY_INLINE void add_to(ListCounts& counts, const ListState& state, DepthTile& tile, const LocalBox& box) const {
+        const Ints i;
+        for (std::size_t p = 0; p < int_parts; ++p) {
+            const std::size_t at = p * int_lanes;
+            hn::Store(hn::Add(hn::Load(i, counts.covered_lanes + at), covered[p]), i, counts.covered_lanes + at);
+            hn::Store(hn::Add(hn::Load(i, counts.passed_lanes + at), passed[p]), i, counts.passed_lanes + at);
+        }
+        if (writes<mode, usual>(state)) tile.unknown |= blocks_of(box);
     }
 };
 
 // Tests one patch and does what follows from it. With `whole`, all of its pixels count, whatever `inside` says.
-template <ListMode mode, bool usual, bool whole, KeyKind kind>
+template <ListMode mode, bool usual, bool whole, bool clamped, KeyKind kind>
 HWY_INLINE void draw_patch(const ListState& state, DepthTile& tile, bool front, const DepthKeys<kind>& depth,
                            const typename DepthKeys<kind>::Columns& columns, const typename DepthKeys<kind>::Rows& rows,
                            std::size_t at, const Lanes* inside, std::uint32_t id, DrawnPixels& drawn,
                            TileCounts& counts) {
-    std::uint64_t covered = whole ? 0xffff : 0;
-    for (std::size_t p = 0; !whole && p < int_parts; ++p) covered |= bits_of(Ints(), inside[p]) << (p * int_lanes);
-    const std::uint64_t passed = test_patch<mode == ListMode::Ids, usual, whole>(
-        state, tile, depth, columns, rows, at, inside, false, writes<mode, usual>(state), id);
-    drawn.covered += whole ? patch_pixels : hwy::PopCount(covered);
-    drawn.passed += hwy::PopCount(passed);
+    Lanes pass[int_parts];
+    test_patch<mode == ListMode::Ids, usual, whole, clamped>(state, tile, depth, columns, rows, at, inside, false,
+                                                             writes<mode, usual>(state), id, pass);
+    for (std::size_t p = 0; p < int_parts; ++p) {
+        drawn.passed[p] = DrawnPixels::counted(drawn.passed[p], pass[p]);
+        if (!whole) drawn.covered[p] = DrawnPixels::counted(drawn.covered[p], inside[p]);
+    }
     if constexpr (is_counting(mode))
-        count_fragments<mode, patch_pixels>(state, tile, front, at, covered, passed, counts);
+        count_fragments<mode, patch_pixels>(state, tile, front, at, whole ? 0xffff : patch_bits(inside),
+                                            patch_bits(pass), counts);
 }
 
 // Pixels of the patch row at y that lie in the box's rows; of one column of patches, those in the box's columns.
@@ -164,9 +187,9 @@ HWY_INLINE std::size_t place_of_patch(int column, int row) {
 }
 
 // A triangle of few patches: one after the other, without asking which it touches.
-template <ListMode mode, KeyKind kind, bool usual>
+template <ListMode mode, KeyKind kind, bool usual, bool clamped>
 HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
-                             std::uint32_t id, TileCounts& counts) {
+                             std::uint32_t id, ListCounts& counts) {
     const Ints i;
     const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int first = box.x0 / patch_side, last = box.x1 / patch_side, first_row = box.y0 / patch_side;
@@ -187,8 +210,8 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
                 for (std::size_t p = 0; p < int_parts; ++p)
                     inside[p] = hn::And(inside[p], mask_of(i, in_box >> (p * int_lanes)));
             }
-            draw_patch<mode, usual, false>(state, tile, t.front, depth, columns, rows, place_of_patch(n, row), inside,
-                                           id, drawn, counts);
+            draw_patch<mode, usual, false, clamped>(state, tile, t.front, depth, columns, rows, place_of_patch(n, row),
+                                                    inside, id, drawn, counts);
             if (++n > last) break;
             edges.move(edges.right);
             columns = depth.columns(static_cast<std::size_t>(n));
@@ -278,9 +301,9 @@ private:
 
 // A triangle of more patches: listing first which it touches, and which it covers. The edges are those at the tile's
 // first column and the row of patches at y0.
-template <ListMode mode, KeyKind kind, bool usual, class T>
+template <ListMode mode, KeyKind kind, bool usual, bool clamped, class T>
 HWY_INLINE void draw_rows(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box, int y0,
-                          const T* base, const T* a, const T* b, std::uint32_t id, TileCounts& counts) {
+                          const T* base, const T* a, const T* b, std::uint32_t id, ListCounts& counts) {
     using Lane = hn::CappedTag<T, patch_pixels>;
     const Lane d;
     // Otherwise the edges, or patches alone, tell what is inside.
@@ -305,11 +328,12 @@ HWY_INLINE void draw_rows(const ListState& state, DepthTile& tile, const SetupTr
 
     DrawnPixels drawn;
     const auto draw = [&](std::int32_t patch, const Lanes* inside, auto whole) HWY_ATTR {
-        draw_patch<mode, usual, whole()>(state, tile, t.front, depth, column_depths[PatchNumbers::column_of(patch)],
-                                         row_depths[PatchNumbers::row_of(patch)], PatchNumbers::place(patch), inside,
-                                         id, drawn, counts);
+        draw_patch<mode, usual, whole(), clamped>(
+            state, tile, t.front, depth, column_depths[PatchNumbers::column_of(patch)],
+            row_depths[PatchNumbers::row_of(patch)], PatchNumbers::place(patch), inside, id, drawn, counts);
     };
     for (std::size_t k = 0; k < lists.whole_count; ++k) draw(lists.whole[k], nullptr, std::true_type());
+    counts.covered += static_cast<std::int64_t>(patch_pixels * lists.whole_count);
     hn::Vec<Lane> offset[3][int_parts];
     for (std::size_t e = 0; e < 3; ++e)
         for (std::size_t p = 0; p < int_parts; ++p)
@@ -336,21 +360,21 @@ HWY_INLINE void draw_rows(const ListState& state, DepthTile& tile, const SetupTr
     drawn.add_to<mode, usual>(counts, state, tile, box);
 }
 
-template <ListMode mode, KeyKind kind, bool usual>
+template <ListMode mode, KeyKind kind, bool usual, bool clamped>
 HWY_NOINLINE void draw_medium(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
-                              std::uint32_t id, TileCounts& counts) {
+                              std::uint32_t id, ListCounts& counts) {
     const int y0 = box.y0 & -patch_side;
     const SmallEdges edges(t, state.conservative, tile.x, tile.y + y0);
-    draw_rows<mode, kind, usual>(state, tile, t, box, y0, edges.base, edges.a, edges.b, id, counts);
+    draw_rows<mode, kind, usual, clamped>(state, tile, t, box, y0, edges.base, edges.a, edges.b, id, counts);
 }
 
-template <ListMode mode, KeyKind kind, bool usual>
+template <ListMode mode, KeyKind kind, bool usual, bool clamped>
 HWY_NOINLINE void draw_large(const ListState& state, DepthTile& tile, const SetupTriangle& t, const LocalBox& box,
-                             const TileEdges& edges, std::uint32_t id, TileCounts& counts) {
+                             const TileEdges& edges, std::uint32_t id, ListCounts& counts) {
     const int y0 = box.y0 & -patch_side;
     std::int32_t base[3];
     for (std::size_t e = 0; e < 3; ++e) base[e] = edges.base[e] + edges.b[e] * y0;
-    draw_rows<mode, kind, usual>(state, tile, t, box, y0, base, edges.a, edges.b, id, counts);
+    draw_rows<mode, kind, usual, clamped>(state, tile, t, box, y0, base, edges.a, edges.b, id, counts);
 }
 
 } // namespace gnomon::detail::HWY_NAMESPACE

@@ -94,6 +94,7 @@ std::optional<Plane> clipped_depth(const SetupState& state, const ClippedTriangl
 void set_depth(SetupTriangle& t, const Plane& depth) {
     t.depth = static_cast<float>((depth.value + depth.dy * t.anchor_y()) + depth.dx * t.anchor_x());
     t.depth_dx = depth.dx, t.depth_dy = depth.dy;
+    t.steady = false;
 }
 
 // Clips one triangle and appends the pieces that are not culled, at most one for each corner of the polygon.

@@ -46,8 +46,9 @@ struct SetupTriangle {
     std::uint16_t x0, y0, x1, y1; // pixels whose centres may be covered, inclusive, inside viewport, scissor and target
     std::uint32_t piece;          // which piece of clipped triangles, or whole
     std::uint8_t first;           // which submitted corner is the anchor; of a piece: of its own corners
-    bool reversed;                // the corners run against the order of submission
-    bool front;
+    bool reversed : 1;            // the corners run against the order of submission
+    bool front : 1;
+    bool steady : 1; // float32 depths at the pixel centres inside it need no clamp to those of the corners
     Extent extent;
 
     static constexpr std::uint32_t whole = 0xffffffffu;

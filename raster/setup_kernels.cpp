@@ -235,7 +235,19 @@ struct FinishedPart {
     alignas(64) float z[lanes], z_minimum[lanes], z_maximum[lanes];
     alignas(64) double dx[lanes], dy[lanes];
     alignas(64) std::int32_t x0[lanes], y0[lanes], x1[lanes], y1[lanes], first[lanes], reversed[lanes], extent[lanes];
+    alignas(64) std::int32_t steady[lanes];
 };
+
+// Where depths inside lie between those of the corners, rounded to floats. With E² `squares`, no edge being longer than
+// E, and A `twice_area` what doubles round is less than 2⁻⁵³ (2 + 24 E²/A) in [0, 1]: 16 of it in the plane, 8 in its
+// value at a pixel. Where that is below 2⁻³³, half of the least distance between a float and the middle of two from 2⁻⁷
+// on, rounding to float takes it back.
+template <class F, class V, class W> HWY_INLINE auto is_steady(F f, V squares, V twice_area, W nearest, W farthest) {
+    const hn::DFromV<V> d;
+    const auto margin = hn::Sub(hn::Abs(twice_area), hn::Mul(squares, hn::Set(d, 0x1p-15)));
+    return hn::And(hn::Gt(hn::DemoteTo(f, margin), hn::Zero(f)),
+                   hn::And(hn::Ge(nearest, hn::Set(f, 0x1p-7f)), hn::Le(farthest, hn::Set(f, 1.0f))));
+}
 
 void finish_part(const SetupState& state, const Survivors& in, std::size_t at, FinishedPart& out) {
     const hn::ScalableTag<double> d;
@@ -292,11 +304,17 @@ void finish_part(const SetupState& state, const Survivors& in, std::size_t at, F
     const auto d1 = hn::Sub(hn::PromoteTo(d, depth[1]), z0), d2 = hn::Sub(hn::PromoteTo(d, depth[2]), z0);
     hn::StoreU(hn::Div(hn::Sub(hn::Mul(d1, e2y), hn::Mul(d2, e1y)), pixel_area), d, out.dx);
     hn::StoreU(hn::Div(hn::Sub(hn::Mul(d2, e1x), hn::Mul(d1, e2x)), pixel_area), d, out.dy);
+    const auto nearest = hn::Min(hn::Min(depth[0], depth[1]), depth[2]),
+               farthest = hn::Max(hn::Max(depth[0], depth[1]), depth[2]);
     hn::StoreU(depth[0], f, out.z);
-    hn::StoreU(hn::Min(hn::Min(depth[0], depth[1]), depth[2]), f, out.z_minimum);
-    hn::StoreU(hn::Max(hn::Max(depth[0], depth[1]), depth[2]), f, out.z_maximum);
+    hn::StoreU(nearest, f, out.z_minimum);
+    hn::StoreU(farthest, f, out.z_maximum);
 
     const bool whole_pixels = state.conservative || state.multisampled;
+    const auto squares =
+        hn::Add(hn::Add(hn::Mul(e1x, e1x), hn::Mul(e1y, e1y)), hn::Add(hn::Mul(e2x, e2x), hn::Mul(e2y, e2y)));
+    const auto steady = hn::RebindMask(i, is_steady(f, hn::Add(squares, squares), pixel_area, nearest, farthest));
+    hn::StoreU(hn::IfThenElseZero(steady, hn::Set(i, whole_pixels ? 0 : 1)), i, out.steady);
     PixelRange<decltype(i), V> columns(i, v.x[0], v.x[1], v.x[2], whole_pixels);
     PixelRange<decltype(i), V> rows(i, v.y[0], v.y[1], v.y[2], whole_pixels);
     const V limit = hn::Set(i, 64);
@@ -334,6 +352,7 @@ void finish(const SetupState& state, const Survivors& in, SetupTriangle* triangl
             t.piece = in.piece[at + k];
             t.first = static_cast<std::uint8_t>(part.first[k]);
             t.reversed = part.reversed[k] != 0;
+            t.steady = part.steady[k] != 0;
             t.front = ((part.reversed[k] == 0) != (in.mirrored[at + k] != 0)) ==
                       (state.front_face == FrontFace::CounterClockwise);
             t.extent = static_cast<Extent>(part.extent[k]);
