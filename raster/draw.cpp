@@ -151,7 +151,7 @@ std::int64_t cleared_bytes(const Targets& targets) {
 void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast, bool load, const TileGrid& grid,
                 std::span<const Chunk> chunks, PassCounters& counters) {
     const std::vector<TileWork> work = tiles_with_work(grid, chunks, load);
-    const size_t grain = work.size() > 1024 ? 4 : 1;
+    const size_t grain = std::clamp<size_t>(work.size() / 256, 1, 8);
     std::vector<PassCounters> tile_counters(chunk_count(work.size(), grain));
     const auto draw_tile = [&](size_t k, std::vector<TileList>& lists, std::vector<std::uint16_t>& merged,
                                PassCounters& tile_counter) {
