@@ -47,22 +47,25 @@ struct BlockEdges {
         }
     }
 
-    // Of the blocks of the row at y: those that the edges touch, and for each edge those that it crosses.
+    // Of the blocks of the row at y: those that the edges touch, and those that one of them crosses.
     struct Row {
-        std::uint32_t touched = 0xff, crossed[3] = {0, 0, 0};
+        std::uint32_t touched = 0xff, crossed = 0;
     };
     HWY_INLINE Row row(int y) const {
         const BlockRow i;
         Row row;
         for (std::size_t p = 0; p < row_parts; ++p) {
-            auto outside = hn::Zero(i);
+            auto outside = hn::Zero(i), partly = outside; // where negative
             for (int k = 0; k < 3; ++k) {
                 const auto up = hn::Set(i, edges.b[k] * y);
                 outside = hn::Or(outside, hn::Add(most_inside[k][p], up));
-                const auto partly = hn::Lt(hn::Add(least_inside[k][p], up), hn::Zero(i));
-                row.crossed[k] |= static_cast<std::uint32_t>(bits_of(i, partly) << (p * row_lanes));
+                partly = hn::Or(partly, hn::Add(least_inside[k][p], up));
             }
-            row.touched &= ~static_cast<std::uint32_t>(bits_of(i, hn::Lt(outside, hn::Zero(i))) << (p * row_lanes));
+            const auto negative = [&](RowInt v) HWY_ATTR {
+                return static_cast<std::uint32_t>(bits_of(i, hn::Lt(v, hn::Zero(i))) << (p * row_lanes));
+            };
+            row.touched &= ~negative(outside);
+            row.crossed |= negative(partly);
         }
         return row;
     }

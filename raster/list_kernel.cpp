@@ -42,7 +42,7 @@ HWY_NOINLINE void draw_blocks(const ListState& state, DepthTile& tile, const Set
         for (std::size_t k = 0; !whole_range && k < tile_blocks; ++k) low[k] = depth.low, high[k] = depth.high;
         whole_range = true;
         const std::uint32_t in_box = y >= box.y0 && y + 7 <= box.y1 ? whole_columns : 0;
-        const std::uint32_t whole = in_box & ~(row.crossed[0] | row.crossed[1] | row.crossed[2]);
+        const std::uint32_t whole = in_box & ~row.crossed;
         prepare_bounds(state, tile, r, touched, low, high);
         const int first = r * tile_blocks;
         Verdicts verdicts = judge(state.test, low, high, tile.nearest + first, tile.farthest + first);

@@ -75,22 +75,22 @@ template <class V> HWY_INLINE auto nonnegative(V v) {
         return hn::Ge(v, hn::Zero(d));
 }
 
-// The edge functions of a triangle over one patch: floats where they hold them exactly, integers otherwise.
-template <class T> struct PatchEdges {
-    using Lane = hn::CappedTag<T, patch_pixels>;
+// The edge functions of a small triangle over one patch.
+struct PatchEdges {
+    using Lane = hn::CappedTag<float, patch_pixels>;
     using Values = hn::Vec<Lane>;
     Values value[3][int_parts], right[3], up[3]; // `right` and `up`: the step to the next patch
 
-    HWY_INLINE PatchEdges(const T* base, const T* a, const T* b) {
+    HWY_INLINE explicit PatchEdges(const SmallEdges& small) {
         const Lane d;
         for (std::size_t e = 0; e < 3; ++e) {
-            const auto right_step = hn::Set(d, a[e]), up_step = hn::Set(d, b[e]);
-            right[e] = hn::Mul(right_step, hn::Set(d, T{patch_side}));
-            up[e] = hn::Mul(up_step, hn::Set(d, T{patch_side}));
+            const auto right_step = hn::Set(d, small.a[e]), up_step = hn::Set(d, small.b[e]);
+            right[e] = hn::Mul(right_step, hn::Set(d, float{patch_side}));
+            up[e] = hn::Mul(up_step, hn::Set(d, float{patch_side}));
             for (std::size_t p = 0; p < int_parts; ++p) {
-                const auto x = hn::Mul(right_step, hn::Load(d, patch_places<T>.x + p * int_lanes));
-                const auto y = hn::Mul(up_step, hn::Load(d, patch_places<T>.y + p * int_lanes));
-                value[e][p] = hn::Add(hn::Add(hn::Set(d, base[e]), x), y);
+                const auto x = hn::Mul(right_step, hn::Load(d, patch_places<float>.x + p * int_lanes));
+                const auto y = hn::Mul(up_step, hn::Load(d, patch_places<float>.y + p * int_lanes));
+                value[e][p] = hn::Add(hn::Add(hn::Set(d, small.base[e]), x), y);
             }
         }
     }
@@ -194,13 +194,13 @@ HWY_NOINLINE void draw_small(const ListState& state, DepthTile& tile, const Setu
     const DepthKeys<kind> depth(t, tile, state.key_scale);
     const int first = box.x0 / patch_side, last = box.x1 / patch_side, first_row = box.y0 / patch_side;
     const SmallEdges small(t, state.conservative, tile.x + first * patch_side, tile.y + first_row * patch_side);
-    PatchEdges<float> row_edges(small.base, small.a, small.b);
+    PatchEdges row_edges(small);
     const auto first_columns = depth.columns(static_cast<std::size_t>(first));
     const bool cut = t.extent != Extent::Small; // otherwise the edges alone tell what is inside
     DrawnPixels drawn;
     for (int row = first_row, last_row = box.y1 / patch_side;;) {
         const auto rows = depth.rows(static_cast<std::size_t>(row));
-        PatchEdges<float> edges = row_edges;
+        PatchEdges edges = row_edges;
         auto columns = first_columns;
         for (int n = first;;) {
             Lanes inside[int_parts];

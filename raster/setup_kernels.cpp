@@ -311,8 +311,8 @@ void finish_part(const SetupState& state, const Survivors& in, std::size_t at, F
     hn::StoreU(farthest, f, out.z_maximum);
 
     const bool whole_pixels = state.conservative || state.multisampled;
-    const auto squares =
-        hn::Add(hn::Add(hn::Mul(e1x, e1x), hn::Mul(e1y, e1y)), hn::Add(hn::Mul(e2x, e2x), hn::Mul(e2y, e2y)));
+    const auto square = [](auto a, auto b) { return hn::Add(hn::Mul(a, a), hn::Mul(b, b)); };
+    const auto squares = hn::Add(square(e1x, e1y), square(e2x, e2y));
     const auto steady = hn::RebindMask(i, is_steady(f, hn::Add(squares, squares), pixel_area, nearest, farthest));
     hn::StoreU(hn::IfThenElseZero(steady, hn::Set(i, whole_pixels ? 0 : 1)), i, out.steady);
     PixelRange<decltype(i), V> columns(i, v.x[0], v.x[1], v.x[2], whole_pixels);
