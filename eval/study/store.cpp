@@ -27,6 +27,35 @@ std::string dump(const ordered_json& json) {
     return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
+// Runs that share a study's folder remove what they leave empty, and put cells where others put them: whatever is to be
+// made there is tried again.
+constexpr int attempts = 1000;
+
+void make_folders(const std::string& folder) {
+    std::error_code error;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        std::error_code ignored;
+        fs::create_directories(folder, error);
+        if (!error) return;
+        const bool vanished = error == std::errc::no_such_file_or_directory ||
+                              (error == std::errc::file_exists && !fs::exists(folder, ignored));
+        if (!vanished) break;
+    }
+    fail_to_write(folder, error.message());
+}
+
+// Nothing where the file is not there, or no longer.
+std::optional<std::string> read_if_there(const std::string& file) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) return {};
+    try {
+        return read_file(file);
+    } catch (const InputError&) {
+        if (fs::exists(file, ignored)) throw;
+        return {};
+    }
+}
+
 // Locks end with the process that holds them, however it ends.
 bool lock(int descriptor, bool wait) {
     int result = 0;
@@ -55,10 +84,15 @@ bool same_file(int descriptor, const std::string& path) {
            held.st_dev == named.st_dev;
 }
 
-// A scratch folder with a lock that is held; the descriptor, or −1 where another run took it for abandoned meanwhile.
+// A scratch folder with a lock that is held; the descriptor, or −1 where another run took it for abandoned meanwhile,
+// or its parent.
 int try_scratch(const std::string& parent, std::string& folder) {
+    make_folders(parent);
     folder = parent + "/run-XXXXXX";
-    if (!mkdtemp(folder.data())) fail_to_write(parent, std::strerror(errno));
+    if (!mkdtemp(folder.data())) {
+        if (errno == ENOENT) return -1;
+        fail_to_write(parent, std::strerror(errno));
+    }
     const std::string name = folder + "/lock";
     const int descriptor = open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor < 0) return -1;
@@ -71,13 +105,20 @@ int try_scratch(const std::string& parent, std::string& folder) {
 } // namespace
 
 TruthClaim::TruthClaim(std::string path, bool wait) : path_(std::move(path)) {
-    descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 || lock(descriptor_, wait)) return;
-    close(descriptor_);
-    descriptor_ = -1;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        make_folders(fs::path(path_).parent_path());
+        descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (descriptor_ < 0 && errno != ENOENT) return;
+        const bool locked = descriptor_ >= 0 && lock(descriptor_, wait);
+        if (locked && same_file(descriptor_, path_)) return;
+        const bool known = descriptor_ >= 0 && !locked; // held by another, or there are no locks
+        if (descriptor_ >= 0) close(descriptor_);
+        descriptor_ = -1;
+        if (known) return;
+    }
 }
 
-// Whoever waits for the file that is unlinked here gets its lock, finds the truth there and goes on.
+// Whoever waits for the file that is unlinked here makes another, finds the truth there and goes on.
 TruthClaim::~TruthClaim() {
     if (descriptor_ < 0) return;
     unlink(path_.c_str());
@@ -93,12 +134,7 @@ StudyStore::~StudyStore() {
     fs::remove(path("scratch"), ignored); // unless another run is there
 }
 
-void StudyStore::make_folder(const std::string& name) {
-    std::error_code error;
-    const std::string folder = name.empty() ? folder_ : path(name);
-    fs::create_directories(folder, error);
-    if (error) fail_to_write(folder, error.message());
-}
+void StudyStore::make_folder(const std::string& name) { make_folders(name.empty() ? folder_ : path(name)); }
 
 void StudyStore::remove_abandoned() const {
     std::error_code ignored;
@@ -109,37 +145,34 @@ void StudyStore::remove_abandoned() const {
 
 const std::string& StudyStore::scratch() {
     if (!scratch_.empty()) return scratch_;
-    make_folder("scratch");
-    for (int attempt = 0; attempt < 100 && scratch_lock_ < 0; ++attempt) {
-        make_folder("scratch");
+    for (int attempt = 0; attempt < attempts && scratch_lock_ < 0; ++attempt)
         scratch_lock_ = try_scratch(path("scratch"), scratch_);
-    }
     if (scratch_lock_ < 0) fail_to_write(std::exchange(scratch_, ""), "its scratch folder vanishes again and again");
     return scratch_;
 }
 
 std::optional<ordered_json> StudyStore::result(const std::string& hash) const {
     const std::string folder = path("cells/" + hash);
-    std::error_code ignored;
-    if (!fs::is_regular_file(folder + "/result.json", ignored)) return {};
-    ordered_json result = ordered_json::parse(read_file(folder + "/result.json"), nullptr, false);
+    const std::optional<std::string> text = read_if_there(folder + "/result.json");
+    if (!text) return {};
+    ordered_json result = ordered_json::parse(*text, nullptr, false);
     if (!result.is_object() || !result.contains("status") || !result.contains("identity")) return {};
     if (!result.contains("visibility_bytes")) return result;
-    const std::uintmax_t size = fs::file_size(folder + "/visibility.exr", ignored);
-    if (ignored || result["visibility_bytes"] != size) return {};
+    std::error_code missing;
+    const std::uintmax_t size = fs::file_size(folder + "/visibility.exr", missing);
+    if (missing || result["visibility_bytes"] != size) return {};
     return result;
 }
 
 ordered_json StudyStore::timing(const std::string& hash) const {
-    const std::string file = path("cells/" + hash + "/timing.json");
-    std::error_code ignored;
-    return fs::is_regular_file(file, ignored) ? ordered_json::parse(read_file(file), nullptr, false) : ordered_json();
+    const std::optional<std::string> text = read_if_there(path("cells/" + hash + "/timing.json"));
+    return text ? ordered_json::parse(*text, nullptr, false) : ordered_json();
 }
 
 void StudyStore::put_cell(const std::string& hash, ordered_json result, const ordered_json& timing,
                           const ChannelImage* image) {
     make_folder("cells");
-    const std::string made = scratch() + "/" + hash, place = path("cells/" + hash);
+    const std::string made = scratch() + "/" + hash, place = path("cells/" + hash), replaced = made + ".replaced";
     fs::create_directories(made);
     if (image) {
         write_exr(made + "/visibility.exr", *image);
@@ -148,12 +181,15 @@ void StudyStore::put_cell(const std::string& hash, ordered_json result, const or
     write_text_file(made + "/timing.json", dump(timing));
     write_text_file(made + "/result.json", dump(result));
     std::error_code error;
-    fs::rename(made, place, error);
-    if (!error) return;
-    // Something is there: an older failure, a cell of which the half was copied, or what another run made meanwhile.
-    fs::rename(place, scratch() + "/" + hash + ".replaced", error);
-    fs::rename(made, place, error);
-    fs::remove_all(scratch() + "/" + hash + ".replaced");
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        fs::rename(made, place, error);
+        if (error != std::errc::directory_not_empty && error != std::errc::file_exists) break;
+        // Something is there: an older failure, a cell of which the half was copied, or what another run made
+        // meanwhile.
+        std::error_code ignored;
+        fs::rename(place, replaced, ignored);
+        fs::remove_all(replaced, ignored);
+    }
     if (error) fail_to_write(place, error.message());
 }
 
@@ -177,10 +213,7 @@ void StudyStore::put_truth(const std::string& hash, const ChannelImage& image) {
     if (error) fail_to_write(place, error.message());
 }
 
-TruthClaim StudyStore::claim_truth(const std::string& hash, bool wait) {
-    make_folder("claims");
-    return {path("claims/" + hash), wait};
-}
+TruthClaim StudyStore::claim_truth(const std::string& hash, bool wait) { return {path("claims/" + hash), wait}; }
 
 void StudyStore::tidy(const std::string& truth_hash) {
     std::error_code ignored;
@@ -192,11 +225,11 @@ void StudyStore::tidy(const std::string& truth_hash) {
 }
 
 void StudyStore::put_text(const std::string& name, const std::string& text) {
-    std::error_code error;
-    if (fs::is_regular_file(path(name), error) && read_file(path(name)) == text) return;
+    if (read_if_there(path(name)) == text) return;
     make_folder("");
     const std::string made = scratch() + "/" + name;
     write_text_file(made, text);
+    std::error_code error;
     fs::rename(made, path(name), error);
     if (error) fail_to_write(path(name), error.message());
 }

@@ -2,8 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "core/parameters.h"
 #include "eval/study/store.h"
@@ -189,4 +192,38 @@ TEST_CASE("a store replaces what is broken and clears up after the dead", "[stud
     std::ofstream(folder + "/scratch/run-000000/half.exr") << "half";
     StudyStore(folder).remove_abandoned();
     CHECK_FALSE(fs::exists(folder + "/scratch"));
+}
+
+TEST_CASE("runs that share a study's folder make and remove what is in it at once", "[study]") {
+    const std::string folder = temporary_folder() + "/study";
+    ChannelImage image;
+    image.width = image.height = 2;
+    image.add("V", Image<float>(2, 2, 0.5f));
+    std::array<std::atomic<int>, 200> holders{};
+    std::atomic<int> truths{0};
+    std::vector<std::string> failures(6);
+    std::vector<std::thread> runs;
+    for (std::string& failure : failures)
+        runs.emplace_back([&] {
+            try {
+                for (std::size_t round = 0; round < holders.size(); ++round) {
+                    StudyStore store(folder);
+                    store.remove_abandoned();
+                    store.put_cell("cell", {{"identity", {{"a", 1}}}, {"status", "ok"}}, {{"seconds", 1}}, nullptr);
+                    const std::string truth = "truth" + std::to_string(round);
+                    const TruthClaim claim = store.claim_truth(truth, true);
+                    if (!claim.held() || ++holders[round] > 1) throw InputError("a claim has two holders, or none");
+                    if (!store.truth(truth)) store.put_truth(truth, image), ++truths;
+                    --holders[round];
+                }
+            } catch (const std::exception& error) {
+                failure = error.what();
+            }
+        });
+    for (std::thread& run : runs) run.join();
+    for (const std::string& failure : failures) CHECK(failure == "");
+    CHECK(truths == 200);
+    CHECK(StudyStore(folder).result("cell"));
+    CHECK_FALSE(fs::exists(folder + "/scratch"));
+    CHECK_FALSE(fs::exists(folder + "/claims"));
 }
