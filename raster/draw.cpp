@@ -24,6 +24,8 @@ constexpr size_t vertex_grain = 2048;
 constexpr size_t batch_chunks = 64; // set-up tasks of a batch
 constexpr size_t least_chunk_triangles = 2048, most_chunk_triangles = 16384;
 constexpr size_t batch_triangles_per_tile = 1024;
+// What fits into few chunks is shared among so many, or as many of the least size, so that threads get equal parts.
+constexpr size_t even_chunks = 8, least_even_chunk_triangles = 1024;
 static_assert(least_chunk_triangles * most_clipped_pieces <= Chunk::most_triangles);
 constexpr size_t most_vertices = size_t{1} << 29;
 
@@ -147,6 +149,13 @@ std::int64_t cleared_bytes(const Targets& targets) {
     return bytes;
 }
 
+// How many triangles a set-up task takes; the last may get fewer.
+size_t triangles_of_a_chunk(size_t triangles, const TileGrid& drawable) {
+    const size_t most = std::clamp(batch_triangles_per_tile * drawable.count() / batch_chunks, least_chunk_triangles,
+                                   most_chunk_triangles);
+    return std::min(most, std::max(chunk_count(triangles, even_chunks), least_even_chunk_triangles));
+}
+
 // The tiles of one batch, drawn. With `load`, every tile of the grid starts with the load operations.
 void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast, bool load, const TileGrid& grid,
                 std::span<const Chunk> chunks, PassCounters& counters) {
@@ -227,8 +236,7 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     }
     std::vector<Chunk>& chunks = scratch->chunks;
     if (chunks.size() < batch_chunks) chunks.resize(batch_chunks);
-    size_t chunk_triangles = std::clamp(batch_triangles_per_tile * drawable.count() / batch_chunks,
-                                        least_chunk_triangles, most_chunk_triangles);
+    size_t chunk_triangles = triangles_of_a_chunk(triangles.size(), drawable);
     for (size_t first = 0; first < triangles.size() || loading;) {
         const size_t count = std::min(batch_chunks * chunk_triangles, triangles.size() - first);
         const std::span<Chunk> batch = std::span(chunks).first(chunk_count(count, chunk_triangles));
