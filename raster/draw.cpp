@@ -20,7 +20,7 @@
 namespace gnomon::detail {
 namespace {
 
-constexpr size_t vertex_grain = 2048;
+constexpr size_t vertex_grain = 1024;
 // A batch of triangles is set up, then drawn, before the next: that bounds the memory of the bins. A large batch loads
 // and stores tiles less often, a small one stays in the caches.
 constexpr size_t batch_chunks = 64; // set-up tasks of a batch
@@ -178,6 +178,12 @@ struct TileLists {
     }
 };
 
+// Asked once, since the answer comes from the file system.
+unsigned machine_threads() {
+    static const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+    return threads;
+}
+
 // Work that threads take from both ends, so that of two each stays among neighbours, which share triangles and which
 // memory likes to be written together: much while much is left, in the end little, so that all threads end together.
 class SharedWork {
@@ -187,11 +193,10 @@ public:
 
     size_t taker() { return takers_++; }
     std::span<const TileWork> take(size_t taker) { // none where all is taken
-        static const auto threads = std::max(2u, std::thread::hardware_concurrency());
         Range left = left_;
         for (;;) {
             if (left.begin == left.end) return {};
-            const std::uint32_t count = std::max((left.end - left.begin) / (8 * threads), 1u);
+            const std::uint32_t count = std::max((left.end - left.begin) / (8 * machine_threads()), 1u);
             const bool front = taker % 2 == 0;
             const Range rest = {left.begin + (front ? count : 0), left.end - (front ? 0 : count)};
             if (left_.compare_exchange_weak(left, rest)) return work_.subspan(front ? left.begin : rest.end, count);
@@ -210,7 +215,7 @@ private:
 // The tiles of a batch, on the fast path. Few more tasks than threads carry on from tile to tile.
 void draw_fast_tiles(const TileDraw& tile_draw, const ListState& state, bool load, const TileGrid& grid,
                      std::span<const Chunk> chunks, std::span<const TileWork> work, PassCounters& counters) {
-    const size_t tasks = std::max<size_t>(std::thread::hardware_concurrency(), least_tile_tasks);
+    const size_t tasks = std::max<size_t>(machine_threads(), least_tile_tasks);
     std::vector<PassCounters> task_counters(std::min(work.size(), tasks));
     SharedWork shared(work);
     parallel_for(task_counters.size(), 1, [&](size_t task, size_t) {
