@@ -48,17 +48,19 @@ size_t Chunk::add_small(size_t i) {
 // Lists the triangle in the tiles that it touches; false, and nothing is listed, where they are too many.
 bool Chunk::add_touched(const TileGrid& grid, const TileBox& box, size_t i) {
     const size_t before = entry_count_;
-    for (int y = box.y0; y <= box.y1; ++y)
+    for (int y = box.y0; y <= box.y1; y += 8)
         for (int x = box.x0; x <= box.x1; x += 8) {
-            std::uint32_t touched = setup_kernels().touched_tiles(triangles.data[i], x, y, grid.whole_pixels);
-            if (box.x1 - x < 7) touched &= (2u << (box.x1 - x)) - 1;
+            const int rows = std::min(box.y1 - y + 1, 8), columns = std::min(box.x1 - x + 1, 8);
+            std::uint64_t touched = setup_kernels().touched_tiles(triangles.data[i], x, y, rows, grid.whole_pixels);
+            touched &= (0xffull >> (8 - columns)) * 0x0101010101010101ull;
             const size_t after = entry_count_ + static_cast<size_t>(std::popcount(touched));
             if (after - before > most_listed_tiles || after > most_entries) {
                 while (entry_count_ > before) --begin_[entries_[--entry_count_].tile + 2];
                 return false;
             }
             for (; touched; touched &= touched - 1) {
-                const size_t tile = local(x + std::countr_zero(touched), y);
+                const int bit = std::countr_zero(touched);
+                const size_t tile = local(x + (bit & 7), y + (bit >> 3));
                 entries_[entry_count_++] = {static_cast<std::uint32_t>(tile), static_cast<std::uint16_t>(i)};
                 ++begin_[tile + 2];
             }
@@ -109,9 +111,7 @@ void Chunk::mark_tiles(const TileGrid& grid, size_t c, std::vector<std::uint64_t
     }
 }
 
-std::span<const std::uint16_t> Chunk::list(const TileGrid& grid, size_t tile,
-                                           std::vector<std::uint16_t>& merged) const {
-    const int x = grid.tile_x(tile), y = grid.tile_y(tile);
+std::span<const std::uint16_t> Chunk::list(int x, int y, std::vector<std::uint16_t>& merged) const {
     const size_t i = local(x, y);
     const std::span<const std::uint16_t> listed(lists_.data() + begin_[i], begin_[i + 1] - begin_[i]);
     if (wide_.empty()) return listed;

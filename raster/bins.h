@@ -40,8 +40,8 @@ public:
     // Where clipping has made too many of them, they cannot be sorted, and a chunk must begin with fewer.
     bool fits() const { return triangles.count <= most_triangles; }
     void bin(const TileGrid& grid);
-    // Triangles for a tile of the grid; where they must be merged first, they are appended to `merged`.
-    std::span<const std::uint16_t> list(const TileGrid& grid, size_t tile, std::vector<std::uint16_t>& merged) const;
+    // Triangles for the tile (x, y); where they must be merged first, they are appended to `merged`.
+    std::span<const std::uint16_t> list(int x, int y, std::vector<std::uint16_t>& merged) const;
     size_t bytes() const; // of memory that it holds, used or not
     size_t most_merged() const { return wide_.empty() ? 0 : triangles.count; }
     // Bits c of those tiles, in the order of the grid, for which there are triangles.

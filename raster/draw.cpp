@@ -171,9 +171,10 @@ struct TileLists {
         for (std::uint64_t rest = work.chunks; rest; rest &= rest - 1)
             most_merged += chunks[static_cast<size_t>(std::countr_zero(rest))].most_merged();
         merged.reserve(most_merged);
+        const int x = grid.tile_x(work.tile), y = grid.tile_y(work.tile);
         for (std::uint64_t rest = work.chunks; rest; rest &= rest - 1) {
             const Chunk& chunk = chunks[static_cast<size_t>(std::countr_zero(rest))];
-            lists.push_back({&chunk.triangles, chunk.list(grid, work.tile, merged)});
+            lists.push_back({&chunk.triangles, chunk.list(x, y, merged)});
         }
     }
 };

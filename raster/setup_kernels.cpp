@@ -361,21 +361,26 @@ void finish(const SetupState& state, const Survivors& in, SetupTriangle* triangl
 }
 
 // Edge functions in double, which holds them: the corner of the tile that is most inside decides for each edge.
-std::uint32_t touched_tiles(const SetupTriangle& t, int x0, int y, bool whole_pixels) {
+std::uint64_t touched_tiles(const SetupTriangle& t, int x0, int y0, int rows, bool whole_pixels) {
     constexpr std::size_t tiles = 8;
     const hn::CappedTag<double, tiles> d;
     const double inset = whole_pixels ? 0 : 128, side = tile_side * 256;
-    std::uint32_t touched = 0;
+    std::uint64_t touched = 0;
     for (std::size_t p = 0; p < tiles; p += hn::MaxLanes(d)) {
-        const auto left = counted_from(d, static_cast<double>(x0) + static_cast<double>(p));
-        auto least = hn::Zero(d);
+        const auto left = hn::Mul(counted_from(d, static_cast<double>(x0) + static_cast<double>(p)), hn::Set(d, side));
+        hn::Vec<decltype(d)> edge[3], up[3]; // in row y0, and from row to row
         for (int e = 0; e < 3; ++e) {
             const double a = t.y[e] - t.y[e + 1], b = t.x[e + 1] - t.x[e];
-            const double right = a > 0 ? side - inset : inset, up = y * side + (b > 0 ? side - inset : inset) - t.y[e];
-            const auto x = hn::Add(hn::Mul(left, hn::Set(d, side)), hn::Set(d, right - t.x[e]));
-            least = hn::Min(least, hn::Add(hn::Mul(x, hn::Set(d, a)), hn::Set(d, b * up)));
+            const double x = (a > 0 ? side - inset : inset) - t.x[e];
+            const double y = y0 * side + (b > 0 ? side - inset : inset) - t.y[e];
+            edge[e] = hn::Add(hn::Mul(hn::Add(left, hn::Set(d, x)), hn::Set(d, a)), hn::Set(d, b * y));
+            up[e] = hn::Set(d, b * side);
         }
-        touched |= static_cast<std::uint32_t>(bits_of(d, hn::Ge(least, hn::Zero(d)))) << p;
+        for (int j = 0; j < rows; ++j) {
+            const auto least = hn::Min(hn::Min(edge[0], edge[1]), edge[2]);
+            touched |= bits_of(d, hn::Ge(least, hn::Zero(d))) << (tiles * static_cast<std::size_t>(j) + p);
+            for (int e = 0; e < 3; ++e) edge[e] = hn::Add(edge[e], up[e]);
+        }
     }
     return touched;
 }
