@@ -40,18 +40,12 @@ public:
     // Where clipping has made too many of them, they cannot be sorted, and a chunk must begin with fewer.
     bool fits() const { return triangles.count <= most_triangles; }
     void bin(const TileGrid& grid);
-    // Triangles for a tile of the grid; where they must be merged first, they are appended to `merged`.
-    std::span<const std::uint16_t> list(const TileGrid& grid, size_t tile, std::vector<std::uint16_t>& merged) const;
+    // Triangles for the tile (x, y); where they must be merged first, they are appended to `merged`.
+    std::span<const std::uint16_t> list(int x, int y, std::vector<std::uint16_t>& merged) const;
     size_t bytes() const; // of memory that it holds, used or not
     size_t most_merged() const { return wide_.empty() ? 0 : triangles.count; }
-    // visit(tile index) for every tile with a list that is not empty.
-    template <class Visit> void for_each_tile(const TileGrid& grid, const Visit& visit) const {
-        for (int y = y0_; y <= y1_; ++y)
-            for (int x = x0_; x <= x1_; ++x) {
-                const size_t i = local(x, y);
-                if (begin_[i] < begin_[i + 1] || touches_wide(x, y)) visit(grid.index(x, y));
-            }
-    }
+    // Bits c of those tiles, in the order of the grid, for which there are triangles.
+    void mark_tiles(const TileGrid& grid, size_t c, std::vector<std::uint64_t>& bits) const;
 
 private:
     struct Entry {
@@ -61,15 +55,15 @@ private:
     size_t local(int x, int y) const {
         return static_cast<size_t>(y - y0_) * static_cast<size_t>(x1_ - x0_ + 1) + static_cast<size_t>(x - x0_);
     }
-    void add(int x, int y, size_t i);
+    size_t add_small(size_t i);
     bool add_touched(const TileGrid& grid, const TileBox& box, size_t i);
-    bool touches_wide(int x, int y) const;
 
     int x0_ = 0, y0_ = 0, x1_ = -1, y1_ = -1; // rectangle of tiles
     std::vector<std::uint32_t> begin_;        // of each tile's list, and the end of the last
     std::vector<std::uint16_t> lists_;
     std::vector<std::uint16_t> wide_; // triangles over more tiles than are listed
-    std::vector<Entry> entries_;
+    std::vector<Entry> entries_;      // of which entry_count_ are in use
+    size_t entry_count_ = 0;
 };
 
 // Of all chunks that draws into the log have left to the next.

@@ -8,6 +8,7 @@
 #include "raster/counters.h"
 #include "raster/setup.h"
 #include "raster/target.h"
+#include "raster/tile_stores.h"
 
 namespace gnomon::detail {
 
@@ -68,9 +69,10 @@ struct DepthTile {
 };
 
 // Draws triangles list[0], list[1], … of `triangles` into the tile, in this order; `first_id` + their index is their
-// id.
+// id. After each of them some rows of `stores` are stored, where only depth is drawn.
 using DrawList = void (*)(const ListState& state, DepthTile& tile, const SetupTriangle* triangles,
-                          const std::uint16_t* list, std::size_t count, std::uint32_t first_id, TileCounts& counts);
+                          const std::uint16_t* list, std::size_t count, std::uint32_t first_id, TileStores& stores,
+                          TileCounts& counts);
 DrawList draw_list(const ListState& state); // for the chosen instruction set; errors as kernels()
 
 } // namespace gnomon::detail

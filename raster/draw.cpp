@@ -1,8 +1,10 @@
 #include "raster/draw.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstdlib>
+#include <thread>
 
 #include <emmintrin.h>
 #include <fmt/format.h>
@@ -18,13 +20,16 @@
 namespace gnomon::detail {
 namespace {
 
-constexpr size_t vertex_grain = 2048;
+constexpr size_t vertex_grain = 1024;
 // A batch of triangles is set up, then drawn, before the next: that bounds the memory of the bins. A large batch loads
 // and stores tiles less often, a small one stays in the caches.
 constexpr size_t batch_chunks = 64; // set-up tasks of a batch
 constexpr size_t least_chunk_triangles = 2048, most_chunk_triangles = 16384;
 constexpr size_t batch_triangles_per_tile = 1024;
+// What fits into few chunks is shared among so many, or as many of the least size, so that threads get equal parts.
+constexpr size_t even_chunks = 8, least_even_chunk_triangles = 1024;
 static_assert(least_chunk_triangles * most_clipped_pieces <= Chunk::most_triangles);
+constexpr size_t least_tile_tasks = 16;
 constexpr size_t most_vertices = size_t{1} << 29;
 
 Rectangle intersect(const Rectangle& a, const Rectangle& b) {
@@ -147,37 +152,105 @@ std::int64_t cleared_bytes(const Targets& targets) {
     return bytes;
 }
 
+// How many triangles a set-up task takes; the last may get fewer.
+size_t triangles_of_a_chunk(size_t triangles, const TileGrid& drawable) {
+    const size_t most = std::clamp(batch_triangles_per_tile * drawable.count() / batch_chunks, least_chunk_triangles,
+                                   most_chunk_triangles);
+    return std::min(most, std::max(chunk_count(triangles, even_chunks), least_even_chunk_triangles));
+}
+
+// A tile's lists, one for each chunk that has triangles for it.
+struct TileLists {
+    std::vector<TileList> lists;
+    std::vector<std::uint16_t> merged;
+
+    void make(const TileGrid& grid, std::span<const Chunk> chunks, const TileWork& work) {
+        lists.clear();
+        merged.clear();
+        size_t most_merged = 0;
+        for (std::uint64_t rest = work.chunks; rest; rest &= rest - 1)
+            most_merged += chunks[static_cast<size_t>(std::countr_zero(rest))].most_merged();
+        merged.reserve(most_merged);
+        const int x = grid.tile_x(work.tile), y = grid.tile_y(work.tile);
+        for (std::uint64_t rest = work.chunks; rest; rest &= rest - 1) {
+            const Chunk& chunk = chunks[static_cast<size_t>(std::countr_zero(rest))];
+            lists.push_back({&chunk.triangles, chunk.list(x, y, merged)});
+        }
+    }
+};
+
+// Asked once, since the answer comes from the file system.
+unsigned machine_threads() {
+    static const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+    return threads;
+}
+
+// Work that threads take from both ends, so that of two each stays among neighbours, which share triangles and which
+// memory likes to be written together: much while much is left, in the end little, so that all threads end together.
+class SharedWork {
+public:
+    explicit SharedWork(std::span<const TileWork> work)
+        : work_(work), left_{{0, static_cast<std::uint32_t>(work.size())}} {}
+
+    size_t taker() { return takers_++; }
+    std::span<const TileWork> take(size_t taker) { // none where all is taken
+        Range left = left_;
+        for (;;) {
+            if (left.begin == left.end) return {};
+            const std::uint32_t count = std::max((left.end - left.begin) / (8 * machine_threads()), 1u);
+            const bool front = taker % 2 == 0;
+            const Range rest = {left.begin + (front ? count : 0), left.end - (front ? 0 : count)};
+            if (left_.compare_exchange_weak(left, rest)) return work_.subspan(front ? left.begin : rest.end, count);
+        }
+    }
+
+private:
+    struct Range {
+        std::uint32_t begin, end;
+    };
+    std::span<const TileWork> work_;
+    std::atomic<Range> left_;
+    std::atomic<size_t> takers_ = 0;
+};
+
+// The tiles of a batch, on the fast path. Few more tasks than threads carry on from tile to tile.
+void draw_fast_tiles(const TileDraw& tile_draw, const ListState& state, bool load, const TileGrid& grid,
+                     std::span<const Chunk> chunks, std::span<const TileWork> work, PassCounters& counters) {
+    const size_t tasks = std::max<size_t>(machine_threads(), least_tile_tasks);
+    std::vector<PassCounters> task_counters(std::min(work.size(), tasks));
+    SharedWork shared(work);
+    parallel_for(task_counters.size(), 1, [&](size_t task, size_t) {
+        FastTiles tiles(tile_draw, state, load);
+        TileLists lists;
+        PassCounters own; // apart from those of other threads
+        const size_t taker = shared.taker();
+        for (auto taken = shared.take(taker); !taken.empty(); taken = shared.take(taker))
+            for (const TileWork& tile : taken) {
+                lists.make(grid, chunks, tile);
+                tiles.draw(grid.pixel_x(tile.tile), grid.pixel_y(tile.tile), lists.lists, own);
+            }
+        tiles.finish();
+        task_counters[task] = own;
+    });
+    for (const PassCounters& c : task_counters) counters.add(c);
+}
+
 // The tiles of one batch, drawn. With `load`, every tile of the grid starts with the load operations.
 void draw_batch(const TileDraw& tile_draw, const std::optional<ListState>& fast, bool load, const TileGrid& grid,
                 std::span<const Chunk> chunks, PassCounters& counters) {
     const std::vector<TileWork> work = tiles_with_work(grid, chunks, load);
+    if (fast) return draw_fast_tiles(tile_draw, *fast, load, grid, chunks, work, counters);
     const size_t grain = std::clamp<size_t>(work.size() / 256, 1, 8);
     std::vector<PassCounters> tile_counters(chunk_count(work.size(), grain));
-    const auto draw_tile = [&](size_t k, std::vector<TileList>& lists, std::vector<std::uint16_t>& merged,
-                               PassCounters& tile_counter) {
-        const int x = grid.pixel_x(work[k].tile), y = grid.pixel_y(work[k].tile);
-        lists.clear();
-        merged.clear();
-        size_t most_merged = 0;
-        for (std::uint64_t rest = work[k].chunks; rest; rest &= rest - 1)
-            most_merged += chunks[static_cast<size_t>(std::countr_zero(rest))].most_merged();
-        merged.reserve(most_merged);
-        for (std::uint64_t rest = work[k].chunks; rest; rest &= rest - 1) {
-            const Chunk& chunk = chunks[static_cast<size_t>(std::countr_zero(rest))];
-            lists.push_back({&chunk.triangles, chunk.list(grid, work[k].tile, merged)});
-        }
-        if (fast) {
-            draw_fast_tile(tile_draw, *fast, x, y, load, lists, tile_counter);
-            return;
-        }
-        for (const TileList& list : lists)
-            for (const std::uint16_t i : list.indices)
-                draw_in_tile(tile_draw, list.triangles->data[i], list.triangles->pieces.data(), x, y, tile_counter);
-    };
     parallel_for(work.size(), grain, [&](size_t begin, size_t end) {
-        std::vector<TileList> lists;
-        std::vector<std::uint16_t> merged;
-        for (size_t k = begin; k < end; ++k) draw_tile(k, lists, merged, tile_counters[begin / grain]);
+        TileLists lists;
+        for (size_t k = begin; k < end; ++k) {
+            lists.make(grid, chunks, work[k]);
+            for (const TileList& list : lists.lists)
+                for (const std::uint16_t i : list.indices)
+                    draw_in_tile(tile_draw, list.triangles->data[i], list.triangles->pieces.data(),
+                                 grid.pixel_x(work[k].tile), grid.pixel_y(work[k].tile), tile_counters[begin / grain]);
+        }
         _mm_sfence(); // what was streamed is seen by whoever comes next
     });
     for (const PassCounters& c : tile_counters) counters.add(c);
@@ -227,8 +300,7 @@ void execute(Pass& pass, const Draw& draw, const PipelineState& state, const Tar
     }
     std::vector<Chunk>& chunks = scratch->chunks;
     if (chunks.size() < batch_chunks) chunks.resize(batch_chunks);
-    size_t chunk_triangles = std::clamp(batch_triangles_per_tile * drawable.count() / batch_chunks,
-                                        least_chunk_triangles, most_chunk_triangles);
+    size_t chunk_triangles = triangles_of_a_chunk(triangles.size(), drawable);
     for (size_t first = 0; first < triangles.size() || loading;) {
         const size_t count = std::min(batch_chunks * chunk_triangles, triangles.size() - first);
         const std::span<Chunk> batch = std::span(chunks).first(chunk_count(count, chunk_triangles));

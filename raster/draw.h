@@ -12,6 +12,7 @@
 // The machinery (set-up, bins, tiles, tests, blending) is compiled once in draw.cpp;
 // programs meet it one 8×8 block at a time. Per pixel, primitives take effect in the order they are submitted.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -277,6 +278,25 @@ void shade(FragmentBlock& block, FragmentFlags flags, ProvokingVertex provoking,
     }
 }
 
+// Runs a program that gives positions alone. They go into arrays of this function's own first, which nothing that the
+// program reads can overlap, so that compilers make vectors of several vertices.
+template <class VertexProgram>
+void run_in_blocks(const VertexProgram& program, std::uint32_t begin, std::uint32_t end, vec4* positions) {
+    constexpr std::uint32_t block = 64;
+    float x[block], y[block], z[block], w[block];
+    for (std::uint32_t first = begin; first < end; first += block) {
+        const std::uint32_t last = std::min(end, first + block); // at most 2²⁹
+        for (std::uint32_t i = first; i < last; ++i) {
+            const vec4 position = program(i);
+            x[i - first] = position.x, y[i - first] = position.y, z[i - first] = position.z, w[i - first] = position.w;
+        }
+        for (std::uint32_t i = first; i < last; ++i) {
+            const std::uint32_t k = i - first;
+            copy_floats(positions + i, vec4(x[k], y[k], z[k], w[k]));
+        }
+    }
+}
+
 template <class Output> struct VaryingsOf { using type = NoVaryings; };
 template <class V> struct VaryingsOf<Vertex<V>> { using type = V; };
 
@@ -298,10 +318,10 @@ void draw(Pass& pass, const Geometry& geometry, const PipelineState& state, cons
     call.linear_varyings = detail::has_linear_varyings<V>();
     call.flags = fragment_program.flags;
     call.vertices = [&](std::uint32_t begin, std::uint32_t end, vec4* positions, [[maybe_unused]] float* varyings) {
-        for (std::uint32_t i = begin; i < end; ++i) {
-            if constexpr (std::is_same_v<Output, vec4>) {
-                detail::copy_floats(positions + i, vertex_program(i));
-            } else {
+        if constexpr (std::is_same_v<Output, vec4>) {
+            detail::run_in_blocks(vertex_program, begin, end, positions);
+        } else {
+            for (std::uint32_t i = begin; i < end; ++i) {
                 const Output vertex = vertex_program(i);
                 detail::copy_floats(positions + i, vertex.position);
                 if constexpr (has_varyings)

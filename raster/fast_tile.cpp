@@ -4,10 +4,13 @@
 #include <bit>
 #include <cstring>
 
+#include <emmintrin.h>
 #include <hwy/cache_control.h>
 
 namespace gnomon::detail {
 namespace {
+
+constexpr int most_waiting = 4; // tiles without triangles that wait for one that has some
 
 // Between rows of a target and a tile's patches: visit(texels, where they lie in the tile, how many of a patch's row).
 template <class AnyTarget, class T, class Visit>
@@ -77,16 +80,28 @@ void load_depth(const Target& target, const Targets& targets, bool load, const K
     });
 }
 
+TileStores stores_to(const Target& target, const Targets& targets, const Kernels& kernels) {
+    const size_t stride = static_cast<size_t>(target.width(targets.level) * target.texel_bytes());
+    const auto first = reinterpret_cast<std::uintptr_t>(target.texel(0, 0, targets.layer, targets.level));
+    const bool aligned = (first | stride) % 64 == 0; // and so all tiles are
+    return {.store_rows = kernels.store_rows,
+            .fill_rows = kernels.fill_rows,
+            .stride = stride,
+            .stream = aligned && is_streamed(target),
+            .cleared = targets.clear_depth ? static_cast<std::int32_t>(
+                                                 depth_key(target.format(), static_cast<double>(*targets.clear_depth)))
+                                           : 0};
+}
+
 void store_depth(Target& target, const Targets& targets, const DepthTile& tile, const Kernels& kernels) {
     if (target.texel_bytes() == 4) {
         if (!part_of_tile(target, targets.level, tile.x, tile.y).whole()) {
             for_each_patch_row(target, targets, tile, tile.depth, copy_out<std::int32_t>);
             return;
         }
-        std::byte* first = target.texel(tile.x, tile.y, targets.layer, targets.level);
-        const size_t stride = static_cast<size_t>(target.width(targets.level)) * 4;
-        const bool aligned = (reinterpret_cast<std::uintptr_t>(first) | stride) % 64 == 0;
-        kernels.store_tile(tile.depth, first, stride, aligned && is_streamed(target));
+        const TileStores stores = stores_to(target, targets, kernels);
+        kernels.store_rows(tile.depth, 0, tile_side, target.texel(tile.x, tile.y, targets.layer, targets.level),
+                           stores.stride, stores.stream);
         return;
     }
     for_each_patch_row(target, targets, tile, tile.depth, [](std::byte* to, const std::int32_t* from, int count) {
@@ -172,43 +187,81 @@ std::optional<ListState> list_state(const Draw& draw, const PipelineState& state
     return list;
 }
 
-void draw_fast_tile(const TileDraw& draw, const ListState& state, int tile_x, int tile_y, bool load,
-                    std::span<const TileList> lists, PassCounters& counters) {
-    const Targets& targets = *draw.targets;
-    DepthTile tile;
+FastTiles::FastTiles(const TileDraw& draw, const ListState& state, bool load)
+    : draw_(draw), state_(state), load_(load), kernel_(draw_list(state)),
+      stores_(stores_to(*draw.targets->depth, *draw.targets, *draw.kernels)) {}
+
+// Whether the depth of a tile may be stored later.
+bool FastTiles::waits(int tile_x, int tile_y) const {
+    const Target& target = *draw_.targets->depth;
+    return state_.mode == ListMode::Depth && target.texel_bytes() == 4 &&
+           part_of_tile(target, draw_.targets->level, tile_x, tile_y).whole();
+}
+
+void FastTiles::finish() {
+    stores_.store(stores_.rows_left());
+    _mm_sfence(); // for what was streamed
+}
+
+void FastTiles::draw(int tile_x, int tile_y, std::span<const TileList> lists, PassCounters& counters) {
+    const Targets& targets = *draw_.targets;
+    const bool clear_depth = load_ && targets.clear_depth, waiting = waits(tile_x, tile_y);
+    DepthTile& tile = tiles_[turn_];
     tile.x = tile_x, tile.y = tile_y;
-    load_depth(*targets.depth, targets, load, *draw.kernels, tile);
-    if (load) fill_others(targets, state, tile);
-    if (state.mode == ListMode::Ids)
-        draw.kernels->fill_tile(reinterpret_cast<std::int32_t*>(tile.id), static_cast<std::int32_t>(DepthTile::no_id));
-    if (state.mode == ListMode::Count8) load_counters(*targets.stencil, targets, load, tile, tile.count8);
-    if (state.mode == ListMode::Count32) load_counters(*targets.stencil, targets, load, tile, tile.count32);
-
-    TileCounts counts;
-    const DrawList kernel = draw_list(state);
-    for (size_t k = 0; k < lists.size(); ++k)
-        kernel(state, tile, lists[k].triangles->data.get(), lists[k].indices.data(), lists[k].indices.size(),
-               static_cast<std::uint32_t>(k * most_triangles_of_a_list), counts);
-
-    if ((state.write && counts.passed) || (load && targets.clear_depth))
-        store_depth(*targets.depth, targets, tile, *draw.kernels);
-    if (counts.counted || (load && targets.clear_stencil)) {
-        if (state.mode == ListMode::Count8) store_counters(*targets.stencil, targets, tile, tile.count8);
-        if (state.mode == ListMode::Count32) store_counters(*targets.stencil, targets, tile, tile.count32);
+    if (load_) fill_others(targets, state_, tile);
+    if (lists.empty() && clear_depth && waiting) {
+        stores_.tiles.push_back({nullptr, targets.depth->texel(tile_x, tile_y, targets.layer, targets.level)});
+        stores_.store(stores_.rows_left() - (stores_.stream ? most_waiting * tile_side : 0));
+        return;
     }
-    const bool clear_color = load && targets.clear_color;
-    if (state.mode == ListMode::Ids && (counts.passed || clear_color))
-        shade_visible(draw, tile, clear_color, lists, counters);
+    load_depth(*targets.depth, targets, load_, *draw_.kernels, tile);
+    if (state_.mode == ListMode::Ids)
+        draw_.kernels->fill_tile(reinterpret_cast<std::int32_t*>(tile.id), static_cast<std::int32_t>(DepthTile::no_id));
+    if (state_.mode == ListMode::Count8) load_counters(*targets.stencil, targets, load_, tile, tile.count8);
+    if (state_.mode == ListMode::Count32) load_counters(*targets.stencil, targets, load_, tile, tile.count32);
 
+    const TileCounts counts = draw_lists(tile, lists);
+    const bool store = (state_.write && counts.passed) || clear_depth;
+    if (store && waiting) {
+        stores_.tiles.push_back({tile.depth, targets.depth->texel(tile_x, tile_y, targets.layer, targets.level)});
+        turn_ = 1 - turn_;
+    } else if (store) {
+        store_depth(*targets.depth, targets, tile, *draw_.kernels);
+    }
+    if (counts.counted || (load_ && targets.clear_stencil)) {
+        if (state_.mode == ListMode::Count8) store_counters(*targets.stencil, targets, tile, tile.count8);
+        if (state_.mode == ListMode::Count32) store_counters(*targets.stencil, targets, tile, tile.count32);
+    }
+    const bool clear_color = load_ && targets.clear_color;
+    if (state_.mode == ListMode::Ids && (counts.passed || clear_color))
+        shade_visible(draw_, tile, clear_color, lists, counters);
+    count(counts, counters);
+}
+
+// All that waits is stored meanwhile, so that the other tile's place is free.
+TileCounts FastTiles::draw_lists(DepthTile& tile, std::span<const TileList> lists) {
+    int triangles = 0;
+    for (const TileList& list : lists) triangles += static_cast<int>(list.indices.size());
+    if (triangles > 0) stores_.rows_at_once = (stores_.rows_left() + triangles - 1) / triangles;
+    TileCounts counts;
+    for (size_t k = 0; k < lists.size(); ++k)
+        kernel_(state_, tile, lists[k].triangles->data.get(), lists[k].indices.data(), lists[k].indices.size(),
+                static_cast<std::uint32_t>(k * most_triangles_of_a_list), stores_, counts);
+    stores_.store(stores_.rows_left());
+    return counts;
+}
+
+void FastTiles::count(const TileCounts& counts, PassCounters& counters) const {
+    const Targets& targets = *draw_.targets;
     const std::int64_t depth_bytes = info(targets.depth->format()).bytes;
-    const std::int64_t stencil_bytes = is_counting(state.mode) ? info(targets.stencil->format()).bytes : 0;
+    const std::int64_t stencil_bytes = is_counting(state_.mode) ? info(targets.stencil->format()).bytes : 0;
     counters.fragments_covered += counts.covered;
     counters.fragments_passed += counts.passed;
-    counters.bytes_read += counts.covered * ((state.test == Compare::Always ? 0 : depth_bytes) + stencil_bytes);
-    counters.bytes_written += (state.write ? counts.passed * depth_bytes : 0) + counts.counted * stencil_bytes;
-    if (state.mode == ListMode::Ids) {
+    counters.bytes_read += counts.covered * ((state_.test == Compare::Always ? 0 : depth_bytes) + stencil_bytes);
+    counters.bytes_written += (state_.write ? counts.passed * depth_bytes : 0) + counts.counted * stencil_bytes;
+    if (state_.mode == ListMode::Ids) {
         counters.fragments_shaded += counts.passed;
-        counters.bytes_written += counts.passed * color_bytes(draw).written;
+        counters.bytes_written += counts.passed * color_bytes(draw_).written;
     }
 }
 

@@ -15,8 +15,29 @@ namespace gnomon::detail {
 // How the list kernel has to draw this; none where the state needs the general path of tile.h.
 std::optional<ListState> list_state(const Draw& draw, const PipelineState& state, const Targets& targets);
 
-// Draws the lists in order. `load` says that the tile starts with what the targets' load operations give.
-void draw_fast_tile(const TileDraw& tile, const ListState& state, int tile_x, int tile_y, bool load,
-                    std::span<const TileList> lists, PassCounters& counters);
+// Draws tiles one after the other; `load` says that they start with what the targets' load operations give. The depth
+// of a tile may reach its target while the next is drawn.
+class FastTiles {
+public:
+    FastTiles(const TileDraw& draw, const ListState& state, bool load);
+
+    // Draws the lists in order.
+    void draw(int tile_x, int tile_y, std::span<const TileList> lists, PassCounters& counters);
+    // To be called after the last tile: then all is in the targets, and seen by whoever comes next.
+    void finish();
+
+private:
+    bool waits(int tile_x, int tile_y) const;
+    TileCounts draw_lists(DepthTile& tile, std::span<const TileList> lists);
+    void count(const TileCounts& counts, PassCounters& counters) const;
+
+    const TileDraw& draw_;
+    const ListState& state_;
+    bool load_;
+    DrawList kernel_;
+    TileStores stores_;
+    DepthTile tiles_[2]; // one is drawn while the other is stored
+    size_t turn_ = 0;    // which one is drawn
+};
 
 } // namespace gnomon::detail

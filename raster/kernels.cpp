@@ -89,19 +89,32 @@ template <class D> HWY_INLINE hn::Vec<D> across_patches(D d, const std::int32_t*
         return hn::LoadU(d, patch);
 }
 
-void store_tile(const std::int32_t* tile, std::byte* rows, std::size_t stride, bool stream) {
+// Stores rows; words(x, y) gives a vector of them.
+template <class Words>
+HWY_INLINE void write_rows(int first, int last, std::byte* rows, std::size_t stride, bool stream, const Words& words) {
     const hn::CappedTag<std::int32_t, patch_pixels> d;
-    constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<std::int32_t, patch_pixels>());
-    for (int y = 0; y < tile_side; ++y, rows += stride) {
-        auto* to = reinterpret_cast<std::int32_t*>(rows);
-        for (int x = 0; x < tile_side; x += static_cast<int>(lanes)) {
-            const auto words = across_patches(d, tile + place_in_tile(x & -patch_side, y) + (x & (patch_side - 1)));
+    constexpr auto lanes = static_cast<int>(hn::MaxLanes(hn::CappedTag<std::int32_t, patch_pixels>()));
+    for (int y = first; y < last; ++y) {
+        auto* to = reinterpret_cast<std::int32_t*>(rows + static_cast<std::size_t>(y) * stride);
+        for (int x = 0; x < tile_side; x += lanes) {
             if (stream)
-                hn::Stream(words, d, to + x);
+                hn::Stream(words(x, y), d, to + x);
             else
-                hn::StoreU(words, d, to + x);
+                hn::StoreU(words(x, y), d, to + x);
         }
     }
+}
+
+void store_rows(const std::int32_t* tile, int first, int last, std::byte* to, std::size_t stride, bool stream) {
+    const hn::CappedTag<std::int32_t, patch_pixels> d;
+    write_rows(first, last, to, stride, stream, [&](int x, int y) HWY_ATTR {
+        return across_patches(d, tile + place_in_tile(x & -patch_side, y) + (x & (patch_side - 1)));
+    });
+}
+
+void fill_rows(std::int32_t word, int first, int last, std::byte* to, std::size_t stride, bool stream) {
+    const auto words = hn::Set(hn::CappedTag<std::int32_t, patch_pixels>(), word);
+    write_rows(first, last, to, stride, stream, [&](int, int) HWY_ATTR { return words; });
 }
 
 template <Compare test, class D, class V> HWY_INLINE hn::Mask<D> passes(D d, V fresh, V stored) {
@@ -170,14 +183,14 @@ std::uint64_t test_d32f(const SetupTriangle& t, int x, int y, std::uint64_t mask
 
 const Kernels* table() {
 #if HWY_TARGET == HWY_AVX3
-    static constexpr Kernels kernels = {"avx512", coverage,  depth,     barycentrics,
-                                        varyings, test_d32f, fill_tile, store_tile};
+    static constexpr Kernels kernels = {"avx512",  coverage,  depth,      barycentrics, varyings,
+                                        test_d32f, fill_tile, store_rows, fill_rows};
 #elif HWY_TARGET == HWY_AVX2
-    static constexpr Kernels kernels = {"avx2",   coverage,  depth,     barycentrics,
-                                        varyings, test_d32f, fill_tile, store_tile};
+    static constexpr Kernels kernels = {"avx2",    coverage,  depth,      barycentrics, varyings,
+                                        test_d32f, fill_tile, store_rows, fill_rows};
 #else
-    static constexpr Kernels kernels = {"plain",  coverage,  depth,     barycentrics,
-                                        varyings, test_d32f, fill_tile, store_tile};
+    static constexpr Kernels kernels = {"plain",   coverage,  depth,      barycentrics, varyings,
+                                        test_d32f, fill_tile, store_rows, fill_rows};
 #endif
     return &kernels;
 }

@@ -41,9 +41,9 @@ struct Kernels {
     // Fills a whole tile with one word.
     void (*fill_tile)(std::int32_t* tile, std::int32_t word);
 
-    // A whole tile's words, which lie patch by patch (depth_tile.h), to rows `stride` bytes apart; with `stream` past
-    // the caches, where the rows are aligned to 64 bytes.
-    void (*store_tile)(const std::int32_t* tile, std::byte* rows, std::size_t stride, bool stream);
+    // Store rows of a tile (tile_stores.h).
+    StoreRows store_rows;
+    FillRows fill_rows;
 };
 
 // Throws UsageError where GNOMON_ISA names no instruction set, or one that this machine lacks.

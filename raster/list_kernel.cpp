@@ -112,7 +112,7 @@ HWY_INLINE void draw_triangle(const ListState& state, DepthTile& tile, const Set
 
 template <ListMode mode, KeyKind kind, bool usual>
 void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* triangles, const std::uint16_t* list,
-              std::size_t count, std::uint32_t first_id, TileCounts& counts) {
+              std::size_t count, std::uint32_t first_id, TileStores& stores, TileCounts& counts) {
     constexpr std::size_t ahead = 8; // triangles on their way from memory
     constexpr bool clamped_always = kind != KeyKind::Float || !usual || is_counting(mode);
     ListCounts drawn;
@@ -127,6 +127,8 @@ void draw_all(const ListState& state, DepthTile& tile, const SetupTriangle* tria
             draw_triangle<mode, kind, usual, clamped_always>(state, tile, t, id, drawn);
         else
             draw_triangle<mode, kind, usual, true>(state, tile, t, id, drawn);
+        if constexpr (mode == ListMode::Depth)
+            if (!stores.empty()) stores.store(stores.rows_at_once);
     }
     drawn.add_to(counts);
 }

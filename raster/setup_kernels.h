@@ -39,9 +39,9 @@ struct SetupKernels {
     // Makes set-up triangles of all survivors, without polygon offset.
     void (*finish)(const SetupState& state, const Survivors& survivors, SetupTriangle* triangles);
 
-    // Which of the tiles x0 to x0 + 7 of row y the triangle's edges leave something of inside, as bits: a pixel centre,
-    // or, where whole pixels count, any point.
-    std::uint32_t (*touched_tiles)(const SetupTriangle& triangle, int x0, int y, bool whole_pixels);
+    // Which of the tiles (x0 + i, y0 + j), i below 8 and j below `rows`, at most 8, the triangle's edges leave something
+    // of inside: a pixel centre, or, where whole pixels count, any point. Tile (i, j) is bit 8·j + i.
+    std::uint64_t (*touched_tiles)(const SetupTriangle& triangle, int x0, int y0, int rows, bool whole_pixels);
 };
 
 const SetupKernels& setup_kernels(); // errors as kernels()

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cstring>
 
 #include "raster/bins.h"
@@ -108,4 +109,24 @@ TEST_CASE("a chunk whose triangles are all cut into five pieces draws each of th
     CHECK(one.clipped == static_cast<std::int64_t>(largest_chunk));
     CHECK(one.fragments_covered == many.fragments_covered);
     CHECK(std::memcmp(whole.texel(0, 0, 0), parts.texel(0, 0, 0), static_cast<size_t>(whole.bytes())) == 0);
+}
+
+TEST_CASE("large triangles reach every tile that they cover, once", "[bits]") {
+    // A fan from within the target to points around it: its triangles cover every pixel, and no pixel twice.
+    const vec2 centre = GENERATE(vec2(2049.3f, 2051.7f), vec2(700.2f, 3900.1f));
+    Triangles scene;
+    constexpr int rim = 172;
+    const auto around = [](int i) {
+        const float along = static_cast<float>(i % (rim / 4)) / (rim / 4) * (side + 2) - 1;
+        const int edge = i % rim / (rim / 4);
+        return edge == 0   ? vec2(along, -1)
+               : edge == 1 ? vec2(side + 1, along)
+               : edge == 2 ? vec2(side - along, side + 1)
+                           : vec2(-1, side - along);
+    };
+    for (int i = 0; i < rim; ++i) scene.add_in_window(centre, around(i), around(i + 1));
+    Target counts(Format::S8, side, side);
+    count_fragments(scene, counts, 1);
+    const auto* begin = reinterpret_cast<const std::uint8_t*>(counts.texel(0, 0, 0));
+    CHECK(std::count(begin, begin + counts.bytes(), 1) == counts.bytes());
 }

@@ -122,6 +122,30 @@ TEST_CASE("a tile in a buffer of its own gives the same depths and stencil count
     check_same_counters(fast.counters(), general.counters());
 }
 
+// Depths reach large targets past the caches, and whole tiles while others are drawn.
+TEST_CASE("large targets get every tile, with triangles and without", "[bits]") {
+    const ivec2 size = GENERATE(ivec2(2048, 832), ivec2(1664, 1000), ivec2(1301, 1290), ivec2(768, 512));
+    const bool crowded = GENERATE(false, true);
+    CAPTURE(size.x, size.y, crowded);
+    RandomScene scene(7, crowded ? 3000 : 40);
+    if (crowded) // a corner of the target: some tiles get hundreds, others none
+        for (vec4& p : scene.positions) p = vec4(p.x * 0.2f - p.w * 0.6f, p.y * 0.2f - p.w * 0.7f, p.z, p.w);
+    PipelineState state;
+    state.depth = {.test = Compare::Less, .write = true};
+    PassLog log;
+    std::array<Target, 2> depth = {Target(Format::D32F, size.x, size.y), Target(Format::D32F, size.x, size.y)};
+    const auto vertex = [&](std::uint32_t i) { return scene.positions[i]; };
+    for (const float cleared : {0.75f, 1.0f}) {
+        Pass fast(log, "fast");
+        draw(fast, scene.geometry(), state, vertex, depth_only, Targets{.depth = &depth[0], .clear_depth = cleared});
+        Pass general(log, "general");
+        draw(general, scene.geometry(), state, vertex, empty_program,
+             Targets{.depth = &depth[1], .clear_depth = cleared});
+        CHECK(same_texels(depth[0], depth[1]));
+        check_same_counters(fast.counters(), general.counters());
+    }
+}
+
 TEST_CASE("programs that run for visible fragments only leave the same colours", "[bits]") {
     const std::uint32_t seed = GENERATE(range(1u, 31u));
     CAPTURE(seed);
