@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "raytrace/boxes-inl.h"
 #include "raytrace/occluders.h"
 #include "raytrace/vectors-inl.h"
 
@@ -12,51 +13,11 @@ HWY_BEFORE_NAMESPACE();
 namespace gnomon::HWY_NAMESPACE {
 
 constexpr float u = 0x1p-24f;
-constexpr float unbounded = 1e30f;
 
-HWY_INLINE Vector cross(const Vector& a, const Vector& b) {
-    return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-            hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
 // The same with all terms of one sign: what bounds the rounding of a cross product of `a` and `b` of magnitudes a, b.
 HWY_INLINE Vector cross_magnitudes(const Vector& a, const Vector& b) {
     return {hn::MulAdd(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulAdd(a.z, b.x, hn::Mul(a.x, b.z)),
             hn::MulAdd(a.x, b.y, hn::Mul(a.y, b.x))};
-}
-
-// The range of s and t of what lies behind boxes: of their corners' images. Boxes that come near the plane of the apex
-// reach everything.
-HWY_INLINE void reach_of_boxes(const Pyramid& pyramid, const Float* low, const Float* high, Float* range) {
-    const auto terms = [&](vec3 factor, Vector& at_low, Vector& at_high) HWY_ATTR {
-        const Vector f = set(factor);
-        at_low = {hn::Mul(f.x, low[0]), hn::Mul(f.y, low[1]), hn::Mul(f.z, low[2])};
-        at_high = {hn::Mul(f.x, high[0]), hn::Mul(f.y, high[1]), hn::Mul(f.z, high[2])};
-    };
-    Vector height[2], a[2], b[2];
-    terms(pyramid.height, height[0], height[1]);
-    terms(pyramid.to_a, a[0], a[1]);
-    terms(pyramid.to_b, b[0], b[1]);
-    Float a_low = hn::Set(d, unbounded), b_low = a_low, a_high = hn::Neg(a_low), b_high = a_high, nearest = a_low;
-    for (int corner = 0; corner < 8; ++corner) {
-        const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
-        const auto sum = [&](const Vector* v) HWY_ATTR { return hn::Add(hn::Add(v[x].x, v[y].y), v[z].z); };
-        const Float h = sum(height), inverse = hn::Div(hn::Set(d, 1.0f), h);
-        const Float at_a = hn::Mul(sum(a), inverse), at_b = hn::Mul(sum(b), inverse);
-        nearest = hn::Min(nearest, h);
-        a_low = hn::Min(a_low, at_a), a_high = hn::Max(a_high, at_a);
-        b_low = hn::Min(b_low, at_b), b_high = hn::Max(b_high, at_b);
-    }
-    // At heights above 2⁻⁸ what is rounded stays far below the growth of the boxes but for 2⁻¹² of the range.
-    const Mask known = hn::Gt(nearest, hn::Set(d, 0x1p-8f));
-    const Float center_a = hn::Set(d, pyramid.center_a), center_b = hn::Set(d, pyramid.center_b);
-    const auto grown = [&](Float value, Float other, Float center, float wrong) HWY_ATTR {
-        const Float size = hn::MulAdd(hn::Add(hn::Abs(value), hn::Abs(other)), hn::Set(d, 0x1p-12f), hn::Set(d, wrong));
-        return hn::Sub(hn::Add(value, hn::CopySign(size, hn::Sub(value, other))), center);
-    };
-    range[0] = hn::IfThenElse(known, grown(a_low, a_high, center_a, 2 * pyramid.wrong_a), hn::Set(d, -unbounded));
-    range[1] = hn::IfThenElse(known, grown(a_high, a_low, center_a, 2 * pyramid.wrong_a), hn::Set(d, unbounded));
-    range[2] = hn::IfThenElse(known, grown(b_low, b_high, center_b, 2 * pyramid.wrong_b), hn::Set(d, -unbounded));
-    range[3] = hn::IfThenElse(known, grown(b_high, b_low, center_b, 2 * pyramid.wrong_b), hn::Set(d, unbounded));
 }
 
 void touch(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBoxes& touched) {
@@ -105,41 +66,61 @@ void touch(const Pyramid& pyramid, const BoxArrays& boxes, TouchedBoxes& touched
 // What project() finds for some triangles of a cluster.
 struct Projection {
     Vector edge[3];
-    Float margin, least; // the latter is below |n·d| of any ray d that passes inside all edges for certain
+    Float margin, whole; // of edge functions of rays; and of those of the pyramid's rays as they were without rounding
+    Float volume, volume_wrong;       // twice det(v₀, v₁, v₂)
+    Float least;                      // below |n·d| of any ray d that passes inside all edges for certain
     Float height[3], lowest, highest; // of the corners; the latter two with their rounding
     Float a[2], b[2];
+    Mask only_positive, only_negative; // see OccluderGroup
     Mask hides_nothing, hides_all, nearer;
 };
 
+// Embree's t is V / (n·d) with V = det(v₀, v₁, v₂) and n·d half of the edge functions' sum. Where all of these have the
+// sign that V does not have, but for the margin, t is negative, or above V / 2.5 margins where n·d is of rounding
+// errors.
+HWY_INLINE void set_sides(const Vector* v, Projection& to) {
+    to.volume = dot(to.edge[0], v[1]);
+    to.volume_wrong = hn::Mul(hn::Set(d, 16 * u), dot(magnitudes(to.edge[0]), magnitudes(v[1])));
+    const Float enough = hn::MulAdd(to.whole, hn::Set(d, 8.0f), to.volume_wrong);
+    to.only_positive = hn::Gt(to.volume, enough), to.only_negative = hn::Lt(to.volume, hn::Neg(enough));
+}
+
 // Pluecker's edge functions, computed by Embree as ((v₂ − v₀) × (v₂ + v₀))·d and so on, v relative to the origin. We
-// take the very same float differences and sums. The cross product is then off by at most 4 u of the sum of its terms'
-// magnitudes m (two rounded products, one difference), its product with d by another 3 u, and the tolerance that Embree
-// allows is 2 u of the three functions' sum, 6 u of the largest. Twice the former, for Embree and for us, and the
-// latter make 20 u·Σ m·|d|; 24 are allowed. The magnitudes are here the
-// largest of the three edges. So an edge function beyond the margin is at least 17 u·Σ m·|d| in truth, and n·d, half of
-// the three's sum, more than 24 u·Σ m·|d|.
+// take the very same float differences e and sums m. Each component of the cross product is off by at most 4 u of the
+// sum of its terms' magnitudes (u for each factor, its product and the difference), which make a vector no longer than
+// √2 |e| |m|, and its product with d by another 3 u: less than 9 u |e| |m| |d|. The tolerance that Embree allows is 2 u
+// of the three functions' sum, 6 u of the largest. Twice the former, for Embree and for us, and the latter make the
+// margin, with the longest e and m of the three edges and the longest d: 24 u |e| |m| |d|. So an edge function beyond
+// the margin is more than 15 u |e| |m| |d| in truth, and n·d, half of the three's sum, more than 22 u. Tests of the
+// pyramid as a whole add the slack of its rays.
 HWY_INLINE void project_edges(const Pyramid& pyramid, const Vector* v, Projection& to) {
     const Vector center = set(pyramid.center), axis_a = set(pyramid.axis_a), axis_b = set(pyramid.axis_b);
-    const Vector reach = set(pyramid.reach), weight = hn::Set(d, 24 * u) * reach + set(pyramid.slack);
     constexpr int from[3] = {0, 1, 2}, end[3] = {2, 0, 1};
     Vector longest = set(vec3(0.0f)), farthest = longest;
+    Float edge = hn::Zero(d), sum_size = edge;
     for (int k = 0; k < 3; ++k) {
         const Vector difference = v[end[k]] - v[from[k]], sum = v[end[k]] + v[from[k]];
         to.edge[k] = cross(difference, sum);
         longest = larger(longest, magnitudes(difference)), farthest = larger(farthest, magnitudes(sum));
+        edge = hn::Max(edge, dot(difference, difference)), sum_size = hn::Max(sum_size, dot(sum, sum));
     }
-    const Vector terms = cross_magnitudes(longest, farthest);
-    to.margin = dot(terms, weight);
-    to.least = hn::Mul(hn::Set(d, 24 * u), dot(terms, reach));
+    // Lengths that float cannot square are taken for longer.
+    edge = hn::Max(edge, hn::Set(d, 1e-30f)), sum_size = hn::Max(sum_size, hn::Set(d, 1e-30f));
+    const Float size = hn::Mul(hn::Mul(hn::Sqrt(edge), hn::Sqrt(sum_size)), hn::Set(d, pyramid.longest));
+    to.margin = hn::Mul(hn::Set(d, 24.1f * u), size), to.least = hn::Mul(hn::Set(d, 22 * u), size);
+    to.whole = hn::Add(to.margin, dot(cross_magnitudes(longest, farthest), set(pyramid.slack)));
     Mask positive[3], negative[3];
     for (int k = 0; k < 3; ++k) {
         const Float middle = dot(to.edge[k], center);
         const Float width = hn::Add(hn::Abs(dot(to.edge[k], axis_a)), hn::Abs(dot(to.edge[k], axis_b)));
-        positive[k] = hn::Gt(hn::Sub(middle, width), to.margin);
-        negative[k] = hn::Lt(hn::Add(middle, width), hn::Neg(to.margin));
+        positive[k] = hn::Gt(hn::Sub(middle, width), to.whole);
+        negative[k] = hn::Lt(hn::Add(middle, width), hn::Neg(to.whole));
     }
-    to.hides_nothing = hn::And(hn::Or(hn::Or(positive[0], positive[1]), positive[2]),
-                               hn::Or(hn::Or(negative[0], negative[1]), negative[2]));
+    set_sides(v, to);
+    const Mask some_positive = hn::Or(hn::Or(positive[0], positive[1]), positive[2]);
+    const Mask some_negative = hn::Or(hn::Or(negative[0], negative[1]), negative[2]);
+    to.hides_nothing = hn::Or(hn::And(some_positive, some_negative), hn::Or(hn::And(to.only_positive, some_negative),
+                                                                            hn::And(to.only_negative, some_positive)));
     to.hides_all = hn::Or(hn::And(hn::And(positive[0], positive[1]), positive[2]),
                           hn::And(hn::And(negative[0], negative[1]), negative[2]));
 }
@@ -289,11 +270,9 @@ HWY_INLINE void project_range(const Pyramid& pyramid, const Vector* v, Projectio
         const Float off = hn::Mul(hn::Mul(dot(farthest, along_size[i]), inverse), relative);
         wrong[i] = hn::MulAdd(off, hn::Set(d, 16 * u), hn::Set(d, 2 * axis_wrong[i]));
     }
-    const Float volume = hn::Abs(dot(to.edge[0], v[1]));
-    const Float volume_wrong = hn::Mul(hn::Set(d, 16 * u), dot(magnitudes(to.edge[0]), magnitudes(v[1])));
-    const Float certain = hn::Sub(volume, hn::Add(volume_wrong, to.margin));
-    const Float quotient = hn::Div(hn::Mul(hn::Mul(hn::Set(d, 2.0f), to.margin), to.highest), certain);
-    const Mask known = hn::And(hn::And(hn::Gt(to.lowest, hn::Set(d, 0x1p-8f)), hn::Gt(certain, hn::Zero(d))),
+    const Float certain = hn::Sub(hn::Abs(to.volume), hn::Add(to.volume_wrong, to.whole));
+    const Float quotient = hn::Div(hn::Mul(hn::Mul(hn::Set(d, 2.0f), to.whole), to.highest), certain);
+    const Mask known = hn::And(hn::And(hn::Gt(to.lowest, hn::Set(d, 0x1p-13f)), hn::Gt(certain, hn::Zero(d))),
                                hn::Lt(quotient, hn::Set(d, 0.6f)));
     Mask overlaps = hn::Le(hn::Zero(d), hn::Zero(d));
     Float* range[2] = {to.a, to.b};
@@ -305,6 +284,29 @@ HWY_INLINE void project_range(const Pyramid& pyramid, const Vector* v, Projectio
                                              hn::Ge(range[i][1], hn::Set(d, -1.0f - axis_wrong[i]))));
     }
     to.hides_nothing = hn::Or(to.hides_nothing, hn::Not(overlaps));
+}
+
+// Where the edge functions tell nothing, what the triangle's box may hide is left: other hits are no hits.
+HWY_INLINE void project_box(const Pyramid& pyramid, const Vector* v, Projection& to) {
+    const Mask known = hn::Gt(to.a[0], hn::Set(d, -unbounded));
+    if (bits_of(known) == (1u << hn::Lanes(d)) - 1u) return;
+    const auto side = [&](Float x, Float y, Float z, float origin, Float& low, Float& high) HWY_ATTR {
+        low = hn::Min(hn::Min(x, y), z), high = hn::Max(hn::Max(x, y), z);
+        return hn::Add(hn::Max(hn::Abs(low), hn::Abs(high)), hn::Set(d, std::abs(origin)));
+    };
+    Float low[3], high[3];
+    const vec3 origin = pyramid.origin;
+    const Float magnitude = hn::Max(hn::Max(side(v[0].x, v[1].x, v[2].x, origin.x, low[0], high[0]),
+                                            side(v[0].y, v[1].y, v[2].y, origin.y, low[1], high[1])),
+                                    side(v[0].z, v[1].z, v[2].z, origin.z, low[2], high[2]));
+    const Float growth = hn::MulAdd(hn::Set(d, proof_growth), magnitude, hn::Set(d, pyramid.growth));
+    for (int i = 0; i < 3; ++i) low[i] = hn::Sub(low[i], growth), high[i] = hn::Add(high[i], growth);
+    Float range[4];
+    reach_of_boxes(pyramid, low, high, range);
+    for (int i = 0; i < 2; ++i) {
+        to.a[i] = hn::IfThenElse(known, to.a[i], range[i]);
+        to.b[i] = hn::IfThenElse(known, to.b[i], range[2 + i]);
+    }
 }
 
 HWY_INLINE void store(const Projection& from, std::size_t first, OccluderGroup& to) {
@@ -321,7 +323,7 @@ HWY_INLINE void store(const Projection& from, std::size_t first, OccluderGroup& 
 }
 
 void project(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32_t own, OccluderGroup& group) {
-    group.present = group.nearer = 0;
+    group.present = group.nearer = group.positive = group.negative = 0;
     group.hides_all = false;
     const Vector origin = set(pyramid.origin);
     unsigned others = (1u << cluster.count) - 1u;
@@ -341,8 +343,11 @@ void project(const Pyramid& pyramid, const TriangleCluster& cluster, std::uint32
         group.hides_all |= (here & bits_of(projection.hides_all)) != 0;
         if (!(here & ~bits_of(projection.hides_nothing))) continue;
         project_range(pyramid, v, projection);
+        project_box(pyramid, v, projection);
         group.present |= (here & ~bits_of(projection.hides_nothing)) << first;
         group.nearer |= (here & bits_of(projection.nearer)) << first;
+        group.positive |= (here & ~bits_of(projection.only_negative)) << first;
+        group.negative |= (here & ~bits_of(projection.only_positive)) << first;
         store(projection, first, group);
     }
 }

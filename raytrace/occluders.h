@@ -20,7 +20,10 @@ struct OccluderGroup {
     // Only points of the light with s and t in these ranges can be hidden by it.
     alignas(64) float a_low[cluster_size], a_high[cluster_size], b_low[cluster_size], b_high[cluster_size];
     unsigned present = 0; // bit i: triangle i may hide something; the others' entries have no meaning
-    unsigned nearer = 0;  // it is certainly nearer than the light, from wherever its ray comes
+    // Rays that may hit it pass inside where all edge functions are positive, or where all are negative; both bits
+    // where the apex is too near to its plane to tell.
+    unsigned positive = 0, negative = 0;
+    unsigned nearer = 0; // it is certainly nearer than the light, from wherever its ray comes
     bool hides_all = false;
 };
 

@@ -12,8 +12,9 @@
 #include "core/light.h"
 #include "core/receiver.h"
 #include "raytrace/embree_scene.h"
+#include "raytrace/occluder_set.h"
 #include "raytrace/point_block.h"
-#include "raytrace/shaft.h"
+#include "raytrace/silhouette_proofs.h"
 
 namespace gnomon {
 
@@ -58,8 +59,22 @@ private:
     };
     static constexpr std::size_t cells_across = 8;
 
+    // What proofs of a kind may still cost in the block: they are given up where they turn out dearer than rays. And
+    // what they have cost, for receivers about which nothing could be proven as a whole.
+    struct Budget {
+        std::int64_t left = 0, most = 0, spent = 0, receivers = 0;
+        bool spend(std::size_t effort);
+        void save(std::size_t rays);
+        void learn(std::int64_t rays); // that a receiver has needed all the same
+        std::int64_t mean() const { return spent / receivers; }
+    };
+
     bool spend(std::size_t effort);
-    void save(std::size_t rays);
+    BlockView view_of(std::span<const Receiver> block, const Bounds& origins) const;
+    void make_silhouettes(std::span<const std::uint32_t> nearby);
+    bool silhouettes_pay();
+    Proof prove_by_occluders();
+    Proof prove_by_silhouettes();
     const OccluderGroup& group(std::uint32_t box);
     Hints& hints_at(const PointRange& range);
     bool shade(std::uint32_t box, const PointBlock& block, std::size_t packet, const PointRange& range, unsigned facing,
@@ -67,26 +82,26 @@ private:
     std::optional<unsigned> settle(const PointBlock& block, std::size_t packet, unsigned facing, PointRange range,
                                    Hints& hints);
     void learn(ShadowRays& rays, Hints& hints) const;
-    EmbreeScene::SeenCount seen_by_occluders(const Receiver& receiver, const SamplePoints& points, SeenBits seen);
+    EmbreeScene::SeenCount seen_by_packets(const Receiver& receiver, const SamplePoints& points, SeenBits seen);
 
     const EmbreeScene& scene_;
     const Light& light_;
     const TriangleClusters* clusters_;
     std::size_t samples_;
-    std::optional<ClusterList> nearby_; // of the block; nothing: no proofs here
-    std::int64_t balance_ = 0;          // what proofs in the block may still cost
-    std::int64_t most_balance_ = 0;
+    OccluderSet nearby_; // of the block
+    bool few_ = false;   // of them, so that each can be asked; otherwise there are none
+    bool fine_ = false;  // they are small beside the light
+    std::optional<SilhouetteProofs> silhouettes_;
+    BlockView view_; // usable where silhouettes may be used
+    Budget by_occluders_, by_silhouettes_;
     std::array<Hints, cells_across * cells_across> hints_; // by where on the light
     // Of the receiver that was asked about last.
     Receiver proven_;
     Proof proof_ = Proof::None;
     Pyramid pyramid_;
-    TouchedBoxes touched_;
-    bool known_ = false;                // nothing else can be in between
-    std::vector<OccluderGroup> groups_; // worked out so far
-    std::size_t groups_used_ = 0;
-    std::vector<std::uint32_t> group_of_; // per box of nearby_: its place in groups_, if that is this box's
-    std::vector<std::uint32_t> box_of_;   // per place
+    bool known_ = false;           // nothing else can be in between
+    bool outlined_ = false;        // silhouettes tell something
+    std::int64_t rays_before_ = 0; // traced and not told yet
 };
 
 } // namespace gnomon

@@ -68,17 +68,26 @@ HWY_INLINE void shade_triangle(const OccluderGroup& group, unsigned i, const Poi
     Vector edge[3];
     for (int k = 0; k < 3; ++k) edge[k] = set({group.edge[k][0][i], group.edge[k][1][i], group.edge[k][2][i]});
     const Float margin = hn::Set(d, group.margin[i]), minus_margin = hn::Neg(margin);
-    unsigned hidden = 0, possible = 0;
+    unsigned hidden = 0, inside = 0, outside = 0;
     for (std::size_t j = 0; j < 16; j += hn::Lanes(d)) {
         const std::size_t k = 16 * packet + j;
         const Vector way{hn::Load(d, block.way[0] + k), hn::Load(d, block.way[1] + k), hn::Load(d, block.way[2] + k)};
         const Float v0 = dot(edge[0], way), v1 = dot(edge[1], way), v2 = dot(edge[2], way);
         const Float low = hn::Min(hn::Min(v0, v1), v2), high = hn::Max(hn::Max(v0, v1), v2);
         hidden |= bits_of(hn::Or(hn::Gt(low, margin), hn::Lt(high, minus_margin))) << j;
-        possible |= bits_of(hn::Or(hn::Ge(low, minus_margin), hn::Le(high, margin))) << j;
+        inside |= bits_of(hn::Ge(low, minus_margin)) << j;
+        outside |= bits_of(hn::Le(high, margin)) << j;
     }
     if (group.nearer >> i & 1u) verdict.hidden |= hidden;
-    verdict.possible |= possible;
+    verdict.possible |= (group.positive >> i & 1u ? inside : 0u) | (group.negative >> i & 1u ? outside : 0u);
+}
+
+void shade_packets(const OccluderGroup& group, unsigned triangle, const PointBlock& block, std::uint64_t packets,
+                   PacketVerdict* verdicts) {
+    for (; packets; packets &= packets - 1) {
+        const auto k = static_cast<std::size_t>(__builtin_ctzll(packets));
+        shade_triangle(group, triangle, block, k, verdicts[k]);
+    }
 }
 
 // One point of the light beside the triangles `some` of a group.
@@ -86,7 +95,7 @@ HWY_INLINE void shade_point(const OccluderGroup& group, unsigned some, const Poi
                             unsigned point, PacketVerdict& verdict) {
     const std::size_t k = 16 * packet + point;
     const Vector way = set({block.way[0][k], block.way[1][k], block.way[2][k]});
-    unsigned hit = 0, maybe = 0;
+    unsigned hit = 0, inside = 0, outside = 0;
     for (std::size_t t = 0; t < cluster_size; t += hn::Lanes(d)) {
         const Float margin = hn::Load(d, group.margin + t), minus_margin = hn::Neg(margin);
         Float value[3];
@@ -97,9 +106,11 @@ HWY_INLINE void shade_point(const OccluderGroup& group, unsigned some, const Poi
         const Float low = hn::Min(hn::Min(value[0], value[1]), value[2]);
         const Float high = hn::Max(hn::Max(value[0], value[1]), value[2]);
         hit |= bits_of(hn::Or(hn::Gt(low, margin), hn::Lt(high, minus_margin))) << t;
-        maybe |= bits_of(hn::Or(hn::Ge(low, minus_margin), hn::Le(high, margin))) << t;
+        inside |= bits_of(hn::Ge(low, minus_margin)) << t;
+        outside |= bits_of(hn::Le(high, margin)) << t;
     }
     verdict.hidden |= ((hit & some & group.nearer) != 0 ? 1u : 0u) << point;
+    const unsigned maybe = (inside & group.positive) | (outside & group.negative);
     verdict.possible |= ((maybe & some) != 0 ? 1u : 0u) << point;
 }
 
@@ -119,7 +130,7 @@ void shade(const OccluderGroup& group, const PointBlock& block, std::size_t pack
 }
 
 const PointKernels* point_table() {
-    static constexpr PointKernels functions{aim_points, range_of, reach, shade};
+    static constexpr PointKernels functions{aim_points, range_of, reach, shade_packets, shade};
     return &functions;
 }
 

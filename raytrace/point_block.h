@@ -36,6 +36,10 @@ struct PointKernels {
     // are, or `most` + 1 where they are more.
     std::size_t (*reach)(const TouchedBoxes& boxes, const PointRange& range, std::size_t most, std::uint32_t* reached);
 
+    // What one triangle of a group hides of packets, a bit for each, is added to their verdicts.
+    void (*shade_packets)(const OccluderGroup& group, unsigned triangle, const PointBlock& block, std::uint64_t packets,
+                          PacketVerdict* verdicts);
+
     // What a group hides of the points `open` of a packet, which lie in `range`, is added to the verdict.
     void (*shade)(const OccluderGroup& group, const PointBlock& block, std::size_t packet, const PointRange& range,
                   unsigned open, PacketVerdict& verdict);

@@ -96,6 +96,11 @@ void set_facing(Pyramid& pyramid, const LightFrame& frame, const Receiver& recei
 
 } // namespace
 
+double farthest_point(dvec3 center, dvec3 a, dvec3 b) {
+    return std::max({glm::length(center + a + b), glm::length(center + a - b), glm::length(center - a + b),
+                     glm::length(center - a - b)});
+}
+
 LightFrame light_frame(const Light& light, vec3 receiver) {
     if (light.type == LightType::Sphere) return sphere_frame(light, receiver);
     LightFrame frame = flat_frame(light);
@@ -106,9 +111,10 @@ LightFrame light_frame(const Light& light, vec3 receiver) {
 Pyramid pyramid_of(const Light& light, const Receiver& receiver, const ShadowOrigin& origin,
                    const std::array<vec3, 3>& own_corners) {
     Pyramid pyramid;
-    const LightFrame frame = light_frame(light, receiver.position);
+    LightFrame frame = light_frame(light, receiver.position);
     if (!frame.usable) return pyramid;
     set_facing(pyramid, frame, receiver);
+    frame.a *= light_growth, frame.b *= light_growth;
     const dvec3 apex(origin.position), center = frame.center - apex, a = frame.a, b = frame.b;
     dvec3 up = glm::cross(a, b);
     const double area = glm::length(up);
@@ -128,6 +134,7 @@ Pyramid pyramid_of(const Light& light, const Receiver& receiver, const ShadowOri
     pyramid.own_distance = static_cast<float>(distance_to(own_corners, apex) * (1.0 + 0x1p-10));
     pyramid.center = vec3(center), pyramid.axis_a = vec3(a), pyramid.axis_b = vec3(b);
     pyramid.reach = vec3(reach * (1 + 4 * u));
+    pyramid.longest = static_cast<float>((farthest_point(center, a, b) + glm::length(frame.rounding)) * (1 + 8 * u));
     // The light's points are off by their rounding, and their difference to the origin is rounded; so are ours.
     const dvec3 slack = (frame.rounding + 4 * u * reach) * (1 + 4 * u);
     pyramid.slack = vec3(slack);

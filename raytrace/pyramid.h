@@ -17,6 +17,10 @@ namespace gnomon {
 // Proofs that nothing is in between keep twice the distance at which EmbreeScene still accepts hits.
 inline constexpr float proof_growth = 2 * box_growth;
 
+// A pyramid's parallelogram is larger than the light, about the same centre: proofs about what is beside a part of the
+// light (see silhouettes.h) need to look beyond its border.
+inline constexpr float light_growth = 1.0f + 0x1p-6f;
+
 // The parallelogram center ± a ± b around the points of light_points() for one receiver, and how much float rounds
 // those in each coordinate. Not usable for proofs: a mesh, whose points it does not hold, and a sphere seen from within
 // or nearly so.
@@ -25,13 +29,17 @@ struct LightFrame {
     dvec3 rounding;
     bool usable = true;
 };
+// The largest distance of points center ± a ± b from the origin.
+double farthest_point(dvec3 center, dvec3 a, dvec3 b);
+
 LightFrame light_frame(const Light& light, vec3 receiver);
 
 struct Pyramid {
     vec3 origin;
-    // Relative to the origin: the light's points are center + s·axis_a + t·axis_b with s, t in [−1, 1], give or take
-    // `slack` in each coordinate. `reach` bounds each coordinate of all ways.
+    // Relative to the origin: the light's points are center + s·axis_a + t·axis_b with s, t in [−1, 1] / light_growth,
+    // give or take `slack` in each coordinate. `reach` bounds each coordinate of all ways.
     vec3 center, axis_a, axis_b, slack, reach;
+    float longest;                  // way, in length
     vec3 own[3];                    // corners of the receiver's triangle
     float own_distance;             // above that of some point of it from the origin, along every axis
     float end_minimum, end_maximum; // where rays end, as a part of the way to the light's point

@@ -50,7 +50,8 @@ ShadowOrigin shadow_origin(const Receiver& receiver, const std::array<vec3, 3>& 
         const double off = glm::dot(plane, dvec3(receiver.position) - a) / glm::dot(plane, n);
         if (std::abs(off) <= static_cast<double>(in_world * relative_step)) step -= static_cast<float>(off);
     }
-    return {receiver.position + receiver.geometric_normal * step, rounding};
+    return {receiver.position + receiver.geometric_normal * step, rounding,
+            larger(magnitude, in_world) * relative_step};
 }
 
 } // namespace gnomon

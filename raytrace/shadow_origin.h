@@ -22,7 +22,8 @@ Light to_local(Light light, vec3 shift);
 
 struct ShadowOrigin {
     vec3 position;
-    float rounding; // metres that separate "touching" from "in front of" here
+    float rounding;       // metres that separate "touching" from "in front of" here
+    float world_rounding; // the same for coordinates of the world: how far the receiver may be off its triangle
 };
 
 // Of a local receiver on its triangle.

@@ -3,30 +3,12 @@
 #include <algorithm>
 
 namespace gnomon {
-namespace {
-
-// The receiver may be off its triangle, sideways too, by what its world coordinates are rounded.
-float world_rounding(const Receiver& receiver, const std::array<vec3, 3>& own_corners, vec3 shift) {
-    float magnitude = largest_component(receiver.position + shift);
-    for (const vec3& corner : own_corners) magnitude = larger(magnitude, largest_component(corner + shift));
-    return magnitude * relative_step;
-}
-
-} // namespace
 
 ShadowRays::ShadowRays(const ShadowCasters& casters, const Receiver& receiver, const ShadowOrigin& origin,
                        std::uint32_t own_primitive, const std::array<vec3, 3>& own_corners, bool end)
     : receiver_(receiver),
-      origin_(origin), query_{{},
-                              end,
-                              &casters,
-                              own_primitive,
-                              own_corners,
-                              origin.position,
-                              4 * larger(origin.rounding, world_rounding(receiver, own_corners, casters.shift)),
-                              {},
-                              {},
-                              0} {
+      origin_(origin), query_{{}, end, &casters, own_primitive, own_corners, origin.position, 4 * origin.world_rounding,
+                              {}, {},  0} {
     start_query(query_.context);
     std::fill_n(rays_.org_x, packet_size, origin.position.x);
     std::fill_n(rays_.org_y, packet_size, origin.position.y);

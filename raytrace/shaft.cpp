@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace gnomon {
 namespace {
@@ -59,34 +60,54 @@ Shaft shaft_between(const Bounds& origins, const Bounds& light) {
     return shaft;
 }
 
+void ClusterList::add(std::uint32_t cluster, const Bounds& grown) {
+    clusters.push_back(cluster);
+    for (int i = 0; i < 3; ++i) minimum[i].push_back(grown.minimum[i]), maximum[i].push_back(grown.maximum[i]);
+}
+
+// Inside out: nothing touches such a box.
+void ClusterList::pad() {
+    const std::size_t padded = (clusters.size() + 15) / 16 * 16;
+    for (int i = 0; i < 3; ++i) minimum[i].resize(padded, 1e30f), maximum[i].resize(padded, -1e30f);
+}
+
 BoxArrays ClusterList::boxes() const {
     return {{minimum[0].data(), minimum[1].data(), minimum[2].data()},
             {maximum[0].data(), maximum[1].data(), maximum[2].data()},
             minimum[0].size()};
 }
 
-std::optional<ClusterList> clusters_in(const Shaft& shaft, const TriangleClusters& all, std::size_t most) {
-    ClusterList list;
-    std::vector<std::uint32_t> open;
-    if (!all.nodes.empty()) open.push_back(0);
-    while (!open.empty()) {
-        const TriangleClusters::Node& node = all.nodes[open.back()];
-        open.pop_back();
-        const Bounds box = grown(node.box, largest_coordinate(node.box));
-        if (!touches(shaft, box)) continue;
-        if (!node.leaf) {
-            open.insert(open.end(), {node.first + 1, node.first});
-            continue;
-        }
-        if (list.clusters.size() == most) return std::nullopt;
-        list.clusters.push_back(node.first);
-        for (int i = 0; i < 3; ++i)
-            list.minimum[i].push_back(box.minimum[i]), list.maximum[i].push_back(box.maximum[i]);
+Bounds grown_box(const Bounds& box) { return grown(box, largest_coordinate(box)); }
+
+ClusterSearch::ClusterSearch(Shaft shaft, const TriangleClusters& all) : shaft_(std::move(shaft)), all_(all) {
+    if (!all.nodes.empty()) open_.push_back(0);
+}
+
+bool ClusterSearch::find(std::size_t most) {
+    while (!open_.empty()) {
+        const TriangleClusters::Node& node = all_.nodes[open_.back()];
+        const Bounds box = grown_box(node.box);
+        const bool touched = touches(shaft_, box);
+        if (touched && node.leaf && list_.clusters.size() == most) return false;
+        open_.pop_back();
+        if (!touched) continue;
+        if (node.leaf)
+            list_.add(node.first, box);
+        else
+            open_.insert(open_.end(), {node.first + 1, node.first});
     }
-    // Inside out: nothing touches such a box.
-    const std::size_t padded = (list.clusters.size() + 15) / 16 * 16;
-    for (int i = 0; i < 3; ++i) list.minimum[i].resize(padded, 1e30f), list.maximum[i].resize(padded, -1e30f);
-    return list;
+    return true;
+}
+
+ClusterList ClusterSearch::take() {
+    list_.pad();
+    return std::move(list_);
+}
+
+std::optional<ClusterList> clusters_in(const Shaft& shaft, const TriangleClusters& all, std::size_t most) {
+    ClusterSearch search(shaft, all);
+    if (!search.find(most)) return std::nullopt;
+    return search.take();
 }
 
 } // namespace gnomon

@@ -26,7 +26,28 @@ Shaft shaft_between(const Bounds& origins, const Bounds& light);
 struct ClusterList {
     std::vector<std::uint32_t> clusters;
     std::vector<float> minimum[3], maximum[3];
+    void add(std::uint32_t cluster, const Bounds& grown);
+    void pad(); // after the last one
     BoxArrays boxes() const;
+};
+
+// The box, proof_growth of its largest coordinate larger on each side.
+Bounds grown_box(const Bounds& box);
+
+// The clusters that a shaft touches, found by and by.
+class ClusterSearch {
+public:
+    ClusterSearch(Shaft shaft, const TriangleClusters& all);
+    // Goes on until there are `most`, and tells whether these are all.
+    bool find(std::size_t most);
+    const std::vector<std::uint32_t>& found() const { return list_.clusters; }
+    ClusterList take(); // padded; of no more use then
+
+private:
+    Shaft shaft_;
+    const TriangleClusters& all_;
+    ClusterList list_;
+    std::vector<std::uint32_t> open_; // nodes
 };
 
 // Nothing where the shaft touches more than `most` clusters.

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "raytrace/embree_api.h"
+#include "raytrace/neighbours.h"
 #include "raytrace/shadow_origin.h"
 
 namespace gnomon {
@@ -119,6 +120,14 @@ TriangleClusters build_clusters(const Scene& scene) {
     built.nodes.push_back({all, 0, false});
     built.cluster_of.resize(scene.triangles.size());
     flatten(scene, *root, 0, built);
+    built.neighbours = find_neighbours(built.clusters);
+    built.triangle_count = primitives.size();
+    for (std::size_t c = 0; c < built.clusters.size(); ++c)
+        for (std::uint32_t i = 0; i < built.clusters[c].count; ++i) {
+            const auto& over = built.neighbours[c].over;
+            built.open_triangles +=
+                over[0][i] == no_neighbour || over[1][i] == no_neighbour || over[2][i] == no_neighbour;
+        }
     return built;
 }
 

@@ -18,6 +18,18 @@ struct alignas(64) TriangleCluster {
     std::uint32_t count = 0;
 };
 
+// Per edge (from corner k to the next) and place of a cluster: cluster · cluster_size + place of the triangle on the
+// other side, see find_neighbours; no_neighbour where the edge is open.
+inline constexpr std::uint32_t no_neighbour = 0xffffffffu;
+struct ClusterNeighbours {
+    std::array<std::array<std::uint32_t, cluster_size>, 3> over;
+    std::uint32_t open = 0; // bit i: triangle i has an open edge
+    // The other clusters that are there; a count of more than `most` stands for many.
+    static constexpr std::uint32_t most = 22;
+    std::uint32_t count = 0;
+    std::array<std::uint32_t, most> beside;
+};
+
 struct TriangleClusters {
     vec3 shift{0.0f}; // all is in local coordinates: those of the world minus this, see local_shift
     struct Node {
@@ -28,11 +40,13 @@ struct TriangleClusters {
     };
     std::vector<Node> nodes; // the root comes first; empty where nothing casts shadows
     std::vector<TriangleCluster> clusters;
+    std::vector<ClusterNeighbours> neighbours;          // per cluster
+    std::size_t triangle_count = 0, open_triangles = 0; // in all, and those with an open edge
     std::vector<std::uint32_t> cluster_of; // per triangle of the scene; no meaning for those of light sources
 
     std::size_t memory_bytes() const {
         return nodes.size() * sizeof(Node) + clusters.size() * sizeof(TriangleCluster) +
-               cluster_of.size() * sizeof(std::uint32_t);
+               neighbours.size() * sizeof(ClusterNeighbours) + cluster_of.size() * sizeof(std::uint32_t);
     }
 };
 

@@ -8,6 +8,8 @@
 #define GNOMON_RAYTRACE_VECTORS_INL_H
 #endif
 
+#include <cstring>
+
 #include <hwy/highway.h>
 
 #include "core/math.h"
@@ -26,7 +28,9 @@ HWY_INLINE unsigned lanes() { return static_cast<unsigned>(hn::Lanes(d)); }
 HWY_INLINE unsigned bits_of(Mask mask) {
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, mask, bytes);
-    return bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
+    std::uint16_t bits; // one register's worth where masks are registers
+    std::memcpy(&bits, bytes, sizeof bits);
+    return bits;
 }
 
 // The lanes whose bits are set; bits beyond the last lane do not matter.
@@ -57,6 +61,11 @@ HWY_INLINE Vector larger(const Vector& a, const Vector& b) {
 HWY_INLINE Float largest(const Vector& a) { return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z)); }
 HWY_INLINE Float dot(const Vector& a, const Vector& b) {
     return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+HWY_INLINE Float length(const Vector& a) { return hn::Sqrt(dot(a, a)); }
+HWY_INLINE Vector cross(const Vector& a, const Vector& b) {
+    return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+            hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
 } // namespace gnomon::HWY_NAMESPACE
