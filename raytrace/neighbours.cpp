@@ -77,7 +77,7 @@ void list_beside(std::uint32_t cluster, std::uint32_t triangles, ClusterNeighbou
     for (const auto& over : to.over)
         for (std::uint32_t i = 0; i < triangles; ++i) {
             if (over[i] == no_neighbour) to.open |= 1u << i;
-            const std::uint32_t other = over[i] / cluster_size;
+            const auto other = static_cast<std::uint32_t>(over[i] / cluster_size);
             if (over[i] == no_neighbour || other == cluster || to.count > ClusterNeighbours::most) continue;
             const auto end = to.beside.begin() + to.count;
             if (std::find(to.beside.begin(), end, other) != end) continue;

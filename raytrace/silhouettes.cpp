@@ -207,7 +207,8 @@ void add_edges(const TriangleClusters& all, std::uint32_t index, const std::vect
             const std::uint32_t neighbour = neighbours.over[k][i];
             std::int32_t there = outline.first_constant() + 2;
             if (neighbour != no_neighbour) {
-                const std::uint32_t other = neighbour / cluster_size, place = neighbour % cluster_size;
+                const auto other = static_cast<std::uint32_t>(neighbour / cluster_size);
+                const auto place = static_cast<std::uint32_t>(neighbour % cluster_size);
                 const BlockSides& theirs = sides[other];
                 if (!theirs.held || (theirs.absent >> place & 1u)) continue;
                 const bool we_ask = asked >> i & 1u, they_ask = theirs.asked(cluster_size) >> place & 1u;

@@ -127,7 +127,8 @@ TEST_CASE("neighbours are found by position and direction", "[raytrace][silhouet
         for (const auto& over : clusters.neighbours[c].over)
             for (std::uint32_t i = 0; i < clusters.clusters[c].count; ++i) {
                 const auto& back = clusters.neighbours[over[i] / cluster_size].over;
-                const std::uint32_t place = over[i] % cluster_size, self = c * std::uint32_t(cluster_size) + i;
+                const auto place = static_cast<std::uint32_t>(over[i] % cluster_size);
+                const std::uint32_t self = c * std::uint32_t(cluster_size) + i;
                 CHECK((back[0][place] == self || back[1][place] == self || back[2][place] == self));
             }
 }
