@@ -50,7 +50,7 @@ struct ShadowQuery {
     std::array<vec3, 3> own_corners;
     vec3 start;
     float nearest;                       // what starts nearer to a plane may start in it
-    std::array<LookedAt, 8> looked_at{}; // a primitive has one place: neighbouring packets meet it again
+    std::array<LookedAt, 32> looked_at{}; // a primitive has one place: neighbouring packets meet it again
     std::array<std::uint32_t, 16> met{}; // primitives, the last ones first to be forgotten
     unsigned met_count = 0;              // in all
 };
