@@ -256,6 +256,38 @@ TEST_CASE("rays are saved beside a fine closed surface", "[raytrace][silhouettes
     CHECK(5 * comparison.rays < comparison.rays_alone);
 }
 
+// A fine plate whose rim is straight above the receivers, and a grid of samples whose middle column is above the rim:
+// those rays meet the rim exactly, from either side, or the corners and edges of the triangles at it.
+TEST_CASE("samples exactly at an edge are as rays have them", "[raytrace][silhouettes]") {
+    for (const float side : {1.0f, -1.0f}) {
+        Scene scene = on_floor();
+        constexpr int cells = 64;
+        const auto corner = [&](int i, int j) {
+            return vec3(0.5f + side * static_cast<float>(i) / 16, 2, static_cast<float>(j) / 16 - 2);
+        };
+        for (int i = 0; i < cells; ++i)
+            for (int j = 0; j < cells; ++j) {
+                add_polygon(scene, {corner(i, j), corner(i + 1, j), corner(i + 1, j + 1)});
+                add_polygon(scene, {corner(i, j), corner(i + 1, j + 1), corner(i, j + 1)});
+            }
+        Light light = light_at(LightType::Rectangle, {0.5f, 4, 0}, {6, 6});
+        light.direction = {0, -1, 0}, light.tangent = {1, 0, 0};
+        const Witness witness(scene, light, Pattern::Grid, 31 * 31);
+        Comparison comparison;
+        for (int k = -4; k < 4; ++k) {
+            std::vector<Receiver> block;
+            for (int i = 0; i < 8; ++i) {
+                const float z = static_cast<float>(k) / 4 + static_cast<float>(i) / 64;
+                block.push_back({{0.5f, 0, z}, {0, 1, 0}, 0.5f > z ? 1u : 0u});
+            }
+            witness.compare(block, comparison);
+        }
+        INFO("side " << side << ": " << comparison.rays << " of " << comparison.rays_alone << " rays");
+        CHECK(comparison.wrong == 0);
+        CHECK(3 * comparison.rays < comparison.rays_alone);
+    }
+}
+
 TEST_CASE("silhouettes give the bits of rays alone for closed surfaces", "[raytrace][silhouettes]") {
     for (const LightType type : {LightType::Rectangle, LightType::Disk, LightType::Sphere}) {
         Numbers numbers(41u + static_cast<std::uint32_t>(type));
