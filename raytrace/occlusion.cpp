@@ -92,10 +92,12 @@ Occlusion::Occlusion(const EmbreeScene& scene, const Light& light, std::span<con
     for (Budget* budget : {&by_occluders_, &by_silhouettes_})
         budget->left = budget->most = most_loss(block.size() * samples);
     view_ = view;
-    const ClusterList nearby = search.take();
+    ClusterList nearby = search.take();
     fine_ = is_fine(nearby, light);
-    if (few_) nearby_ = OccluderSet(clusters->clusters, nearby);
-    if (!few_) make_silhouettes(nearby.clusters);
+    if (few_)
+        nearby_ = OccluderSet(clusters->clusters, std::move(nearby));
+    else
+        make_silhouettes(nearby.clusters);
 }
 
 void Occlusion::make_silhouettes(std::span<const std::uint32_t> nearby) {

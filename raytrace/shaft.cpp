@@ -62,13 +62,17 @@ Shaft shaft_between(const Bounds& origins, const Bounds& light) {
 
 void ClusterList::add(std::uint32_t cluster, const Bounds& grown) {
     clusters.push_back(cluster);
-    for (int i = 0; i < 3; ++i) minimum[i].push_back(grown.minimum[i]), maximum[i].push_back(grown.maximum[i]);
+    for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        minimum[axis].push_back(grown.minimum[i]), maximum[axis].push_back(grown.maximum[i]);
+    }
 }
 
 // Inside out: nothing touches such a box.
 void ClusterList::pad() {
     const std::size_t padded = (clusters.size() + 15) / 16 * 16;
-    for (int i = 0; i < 3; ++i) minimum[i].resize(padded, 1e30f), maximum[i].resize(padded, -1e30f);
+    for (std::vector<float>& values : minimum) values.resize(padded, 1e30f);
+    for (std::vector<float>& values : maximum) values.resize(padded, -1e30f);
 }
 
 BoxArrays ClusterList::boxes() const {

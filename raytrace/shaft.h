@@ -2,6 +2,7 @@
 // The space between a box of shadow ray origins and the box of an area light [Haines and Wallace 1994, "Shaft Culling
 // for Efficient Ray-Traced Radiosity", section 3]: what lies outside is in nobody's way.
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -25,7 +26,7 @@ Shaft shaft_between(const Bounds& origins, const Bounds& light);
 // Clusters of triangles that a shaft touches, with their boxes, grown and padded for OccluderKernels::touch.
 struct ClusterList {
     std::vector<std::uint32_t> clusters;
-    std::vector<float> minimum[3], maximum[3];
+    std::array<std::vector<float>, 3> minimum, maximum;
     void add(std::uint32_t cluster, const Bounds& grown);
     void pad(); // after the last one
     BoxArrays boxes() const;

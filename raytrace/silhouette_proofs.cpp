@@ -14,7 +14,7 @@ constexpr std::size_t flat_per_packet = 16;
 } // namespace
 
 SilhouetteProofs::SilhouetteProofs(const EmbreeScene& scene, const Light& light, Outline outline)
-    : scene_(scene), light_(light), outline_(std::move(outline)), flat_(outline_.flat, outline_.flat_boxes) {
+    : scene_(scene), light_(light), outline_(std::move(outline)), flat_(outline_.flat, std::move(outline_.flat_boxes)) {
     images_.resize(outline_.edges);
     const auto constant = static_cast<std::size_t>(outline_.first_constant());
     states_.resize(constant + 3);
