@@ -47,9 +47,9 @@ HWY_INLINE Float reach_of(const Seen& seen) { return hn::MulAdd(hn::Set(d, 2.0f)
 
 // How large |V| has to be for a triangle to be clear; E its longest edge, R its distance, H the way to the light's
 // plane, all h between `low` and `high`:
-// - 2 ω ≤ 1/2 with μ ≤ u E (18 R + 4 E) |d|: with |v_i + v_j| ≤ 2 R an edge function is off by 9 u |e| |v_i + v_j| |d|
-// (see
-//   occluders.cpp), and Embree tolerates 2 u of the functions' sum, which is 2 n·d with |n| ≤ E²;
+// - 2 ω ≤ 1/2 with μ ≤ u E (18 R + 4 E) |d|: an edge function is off by 9 u |e| |v_i + v_j| |d| (see occluders.cpp)
+// with
+//   |v_i + v_j| ≤ 2 R, and Embree tolerates 2 u of the functions' sum, which is 2 n·d with |n| ≤ E²;
 // - 2 ω times the image's size ≤ silhouette_near. The image's size in units of a half axis is at most
 //   E / size · H / low · (1 + R / low): with A = a·v / a·a and l = h H, A_i/h_i − A_j/h_j is
 //   (a·e / a·a − A_j/h_j · (h_j − h_i)) / h_i;
